@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from floquetrod.equations import Equation, Mathieu, MathieuAQ, Meissner
 from floquetrod.floquet.margins import Margin, margin
@@ -13,6 +15,7 @@ _FORCING = {MathieuAQ: ("q", "a"), Mathieu: ("alpha", "beta"), Meissner: ("alpha
 """Names of forcing and mean in equations whose verdict does not depend on the forcing's sign."""
 
 _LARGEST = 1e4  # forcing and mean up to which the margin and the damping take a second at most (measured)
+_CHARTED = 100.0  # forcing and mean up to which a chart takes some seconds (measured)
 _REACH = 4.0  # times the forcing: how far changes are searched (a choice)
 
 
@@ -21,7 +24,7 @@ def in_one_line(verdict: Stability) -> str:
     unit, sentence = f"per unit {verdict.unit}", verdict.status.upper()
     if verdict.status == "unstable":
         sentence += f": grows {rate_in_words(verdict.growth_rate)} {unit}"
-        sentence += f", tenfold in {tenfold(verdict)}" if verdict.growth_rate > 0.0 else ""
+        sentence += f", tenfold in {verdict._tenfold}" if verdict.growth_rate > 0.0 else ""
     elif verdict.status == "stable":
         rate = verdict.decay_rate
         sentence += f": decays at {rate:.6g} {unit}" if rate > 0.0 else ": every motion stays bounded"
@@ -29,11 +32,6 @@ def in_one_line(verdict: Stability) -> str:
         sentence += ": growth cannot be distinguished from none"
     changes = [damping_in_words(verdict), margin_in_words(verdict)] if has_quick_margins(verdict.equation) else []
     return "; ".join(filter(None, [sentence, *changes]))
-
-
-def tenfold(verdict: Stability) -> str:
-    """Return the time in which motion grows tenfold, in the unit of the equation's time."""
-    return f"{math.log(10.0) / verdict.growth_rate:.4g} {verdict.unit}"
 
 
 def has_quick_margins(equation: Equation) -> bool:
@@ -77,13 +75,25 @@ def margin_in_words(verdict: Stability) -> str:
     return f"changes with {symbol} {' and '.join(changes)}{end}, in steps of {distances.resolution:.2g}"
 
 
-def forcing_margin(equation: Equation) -> Margin:
+def forcing_margin(equation: Any) -> Margin:
     """Return how far the magnitude of the forcing may fall, to none, or rise until the verdict changes."""
-    name, mean = _FORCING[type(equation)]
-    here = abs(getattr(equation, name))
-    top = max(_REACH * here, 1.0 + abs(getattr(equation, mean)))
+    name = _FORCING[type(equation)][0]
+    return margin(partial(replace, equation), name, (0.0, _top(equation)), **{name: abs(getattr(equation, name))})
 
-    def family(**forcing: float) -> Equation:
-        return replace(equation, **forcing)
 
-    return margin(family, name, (0.0, top), **{name: here})
+def charted_ranges(equation: Equation) -> dict[str, tuple[float, float]]:
+    """Return the forcing and the mean about the equation, by their names; none where a chart would take long."""
+    names = _FORCING.get(type(equation))
+    if names is None or any(abs(getattr(equation, name)) > _CHARTED for name in names):
+        return {}
+    forcing, mean = (getattr(equation, name) for name in names)
+    top = _top(equation)
+    room = max(2.0 * abs(forcing), 3.0 * (math.pi / float(equation.period)) ** 2)  # three times the first resonance
+    ends = (0.0, top) if forcing >= 0.0 else (-top, 0.0)
+    return dict(zip(names, (ends, (mean - room, mean + room)), strict=True))
+
+
+def _top(equation: Equation) -> float:
+    """Return the magnitude of the forcing up to which is searched and drawn."""
+    forcing, mean = (abs(getattr(equation, name)) for name in _FORCING[type(equation)])
+    return float(max(_REACH * forcing, 1.0 + mean))

@@ -312,19 +312,22 @@ class Stability(FloquetVerdict):
         return (error / self.period + 4.0 * EPS * abs(self.exponents[0]),) * 2
 
     def report(self) -> Report:
-        """Return the verdict in lines: growth, discriminant, method."""
+        """Return the verdict in lines: growth and the time of tenfold growth, discriminant, method."""
         where = "" if self.interval is None else f": {self.interval}"
         lines = [("equation", repr(self.equation))]
         if formula := self.equation._formula:
             lines.append(("", formula))
         if self.growth_rate > 0.0:
-            lines.append(("growth", f"{self.growth_rate:.6g} per unit {self.unit}"))
+            growth = f"{self.growth_rate:.6g} per unit {self.unit}, tenfold in {self._tenfold}"
+            lines.append(("growth", growth))
         if self.decay_rate > 0.0:
             lines.append(("decay", f"{self.decay_rate:.6g} per unit {self.unit}, the slowest motion"))
         if self.exponents:
             both = " and ".join(f"{each.real + 0.0:.6g} {each.imag:+.6g}i" for each in self.exponents)
             lines.append(("exponent", f"{both} per unit {self.unit}, each +- {self.exponent_errors[0]:.1g}"))
-        lines.append(("trace", f"discriminant {self._size} +- {self.error:.1g} relative"))
+        bound = 1.0 + math.exp(-2.0 * self.equation.damping * self.period)  # both multipliers real, one of them 1
+        known = f"discriminant {self._size} +- {self.error:.1g} relative"
+        lines.append(("trace", f"{known}; stable where its magnitude is below {bound:.6g}"))
         lines.append(("method", f"{self.method}, {self.cost}"))
         return Report(self.status.upper() + where, lines + ([("note", self.note)] if self.note else []))
 
@@ -344,6 +347,11 @@ class Stability(FloquetVerdict):
             "cost": str(self.cost),
             "note": self.note,
         }
+
+    @property
+    def _tenfold(self) -> str:
+        """The time in which motion grows tenfold, with its unit."""
+        return f"{math.log(10.0) / self.growth_rate:.4g} {self.unit}"
 
     @property
     def _size(self) -> str:

@@ -19,8 +19,10 @@ from floquetrod._util.plausibility_warning import PlausibilityWarning
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
+from floquetrod.floquet.equation_margins import charted_ranges, damping_in_words, in_one_line, margin_in_words
 from floquetrod.floquet.references import ROD as ROD_REFERENCES
 from floquetrod.floquet.references import references
+from floquetrod.floquet.verdict import Stability
 from floquetrod.plotting import chart_plot, document, reach_plot
 from floquetrod.plotting.document import Document, DocumentSection, Illustration
 from floquetrod.plotting.record_plot import draw_record
@@ -36,6 +38,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.model.rod_in_words import size_in_words, table_of_parts
 from floquetrod.rod.stability_map import stability_map
+from floquetrod.systems import family_charts
 from floquetrod.units import AnswerUnits, Unit, unit
 from floquetrod.wells.path import WellPath
 
@@ -66,6 +69,8 @@ def save_report(
     that is rod, load, well, friction, tool and files; the verdict in a box; margins, and about how large the motion
     becomes; a map about the load; how far the string can be pushed, with its forces, stress and waves; constant forces
     at which the rod buckles by the literature; the assumptions; versions and the command that makes the report again.
+    For a verdict on Mathieu's equation or Meissner's also the damping that stabilises it, the forcing that changes it,
+    and a chart with the equation in it.
 
     Parameters
     ----------
@@ -169,6 +174,17 @@ def _document(result: Any, options: _Options) -> Document:
     ]
     title = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(result).__name__).capitalize()
     return Document(title, _about(options), [_sentence(report.headline or repr(result)[1:-1])], sections)
+
+
+@_document.register
+def _(result: Stability, options: _Options) -> Document:
+    if options.units is not None:
+        raise validate.wrong_value("units", "must be left out, since an equation has none")
+    changes = {"damping": damping_in_words(result), "margin": margin_in_words(result)}
+    report = result.report().with_lines([(label, text) for label, text in changes.items() if text], before="trace")
+    answer = DocumentSection("Answer", replace(report, headline="").with_assumptions(), _chart_about(result))
+    sections = [*_files(options), answer, _made(result.references, options)]
+    return Document("Stability of an equation", _about(options), [in_one_line(result)], sections)
 
 
 @_document.register
@@ -349,6 +365,24 @@ def _shape(verdict: RodStability) -> list[Illustration]:
         return []
     caption = "Shape along the rod in which motion grows: at one instant, and its envelope over a period."
     return [Illustration(lambda figure: verdict.plot(figure.subplots()), caption, 0.5)]
+
+
+def _chart_about(verdict: Stability) -> list[Illustration]:
+    """Return the chart about an equation, over its forcing and its mean; none where it has no such numbers."""
+    equation = verdict.equation
+    ranges = charted_ranges(equation)
+    if not ranges:
+        return []
+
+    def draw(figure: Any) -> Any:
+        over = {name: (*ends, number) for (name, ends), number in zip(ranges.items(), _POINTS[False], strict=True)}
+        axes = family_charts.chart(functools.partial(replace, equation), over).plot(figure.subplots())
+        x, y = (getattr(equation, name) for name in ranges)
+        chart_plot.mark(axes, x, y, "the equation")
+
+    damped = f", with the damping {equation.damping:g}" if equation.damping else ""
+    words = " and ".join(ranges)
+    return [Illustration(draw, f"The equation among others with other {words}{damped}: unstable where coloured.")]
 
 
 def _points(verdict: RodStability) -> tuple[int, int]:

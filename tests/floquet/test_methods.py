@@ -234,6 +234,17 @@ def test_damping_can_destabilise() -> None:
     assert abs(strong.multipliers[0]) < 1.0
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.02, 0.4])
+def test_a_report_says_which_discriminants_are_stable(damping: float, rng: np.random.Generator) -> None:
+    for alpha, beta in rng.uniform((0.0, -2.0), (2.0, 0.5), (depth(40, 10), 2)).tolist():
+        verdict = fr.stability(fr.Mathieu(alpha, beta, damping))
+        text = dict(verdict.report().lines)["trace"]
+        bound = float(text.rpartition("stable where its magnitude is below ")[2])
+        assert bound == pytest.approx(1.0 + abs(np.prod(verdict.multipliers)), rel=1e-5)
+        assert verdict.stable == (abs(verdict.discriminant) < bound)
+    assert damping > 0.0 or bound == 2.0
+
+
 def test_comparison_is_a_table() -> None:
     comparison = fr.compare(fr.Mathieu(0.5, -0.25))
     assert comparison.agree

@@ -17,6 +17,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.cli.main import main
 from floquetrod.plotting import document
+from floquetrod.rod import hand_over
 from floquetrod.rod.model.assumptions import Assumption
 
 ROOT = Path(__file__).parents[2]
@@ -99,9 +100,33 @@ def test_an_assumption_keeps_its_limit_in_copies() -> None:
 
 
 def test_another_result_is_passed_on_with_what_it_says(tmp_path: Path) -> None:
-    page = fr.save_report(fr.stability(fr.Mathieu(0.5, -0.25)), tmp_path / "a.html").read_text()
+    page = fr.save_report(fr.stability(fr.Hill(-0.25, (0.5,))), tmp_path / "a.html").read_text()
     assert "UNSTABLE" in page.upper()
     assert "made by floquetrod" in words(page)
+    assert "data:image" not in page
+
+
+def test_an_equation_is_passed_on_with_what_changes_its_verdict(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    equation = fr.Mathieu.from_aq(1.2, -0.9, 0.1)
+    drawn = []
+    monkeypatch.setattr(hand_over.chart_plot, "mark", lambda axes, x, y, text: drawn.append((axes, x, y)))
+    page = fr.save_report(fr.stability(equation), tmp_path / "a.html").read_text()
+    for line in (
+        "growth 0.280198 per unit z, tenfold in 8.218 z",
+        "damping stable with a damping above 0.410143 per unit z, 0.310143 more",
+        "margin changes with -q at 0.29116 (0.6088 lower), not higher up to 3.6",
+        "Figure 1. The equation among others with other q and a, with the damping 0.1: unstable where coloured.",
+    ):
+        assert line in words(page)
+    for axes, x, y in drawn:
+        assert (axes.get_xlabel(), axes.get_ylabel()) == ("$q$", "$a$")
+        assert (x, y) == (-0.9, 1.2)
+        assert axes.get_xlim() == (-3.6, 0.0)
+    assert drawn
+    with pytest.raises(ValueError, match="units must be left out"):
+        fr.save_report(fr.stability(equation), tmp_path / "b.html", units={"force": "lbf"})
 
 
 @pytest.mark.slow
