@@ -6,6 +6,7 @@ import base64
 import copy
 import datetime
 import pickle
+import html
 import re
 import xml.etree.ElementTree as ET
 from itertools import pairwise
@@ -27,7 +28,7 @@ STATIC = ROD.stability(fr.AxialLoad(0.5, 0.0, 150.0))
 
 
 def words(page: str) -> str:
-    return " ".join(re.sub(r"<[^>]*>", " ", page).split())
+    return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", page)).split())
 
 
 @pytest.mark.slow

@@ -163,7 +163,7 @@ def test_the_terminal_says_what_buckled_means(tmp_path: Path, capsys: pytest.Cap
         r"\nbuckled   0 of 4; not buckled, but beyond 5 degrees: \d at rest at 5\.\d+ to \d\.\d+ degrees\n", out
     )
     assert f"buckled means {outcome.DEFINITION}\n" in out
-    assert re.search(r"\n  160 mm/s +4 +0\.000  0\.000 to 0\.602\n", out)
+    assert re.search(r"\n160 mm/s +4 +0\.000  0\.000 to 0\.602\n", out)
     line = "simulate --rod nitinol --mean 0N --amplitude 0N --frequency 150rad/s --mu 0.4 --duration 0.4s"
     assert cli.main([*line.split(), "--random", "0.16m/s", "--seed", "15", "--segments", "60"]) == 0
     out = capsys.readouterr().out
