@@ -5,8 +5,8 @@ from __future__ import annotations
 import base64
 import copy
 import datetime
-import pickle
 import html
+import pickle
 import re
 import xml.etree.ElementTree as ET
 from itertools import pairwise
