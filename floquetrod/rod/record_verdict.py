@@ -18,7 +18,7 @@ NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
 NOISE_OF_SENSOR = (
-    "noise taken as the sensor's; if the force itself is random: --noise spectrum (in Python record.noisy_load)"
+    "noise taken as an error of the sensor; if the force itself is random: --noise spectrum (Python: record.noisy_load)"
 )
 """What a verdict on the fit of a record, without noise on the rod, takes the noise for."""
 

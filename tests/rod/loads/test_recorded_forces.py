@@ -111,8 +111,8 @@ def test_a_verdict_without_noise_on_the_rod_says_what_it_takes_the_noise_for() -
     load = fr.AxialLoad(0.1 * FCR, 0.005 * FCR, 150.0, waveform=(-1j, 0.5))
     record = recorded(load, np.random.default_rng(8))
     verdict, noisy = ROD.stability(record), ROD.stability(record.noisy_load)
-    said = "noise taken as the sensor's; if the force itself is random: --noise spectrum (in Python record.noisy_load)"
-    assert verdict.note.endswith(said)
+    said = "noise taken as an error of the sensor; if the force itself is random: --noise spectrum "
+    assert f"{said}(Python: record.noisy_load)" in verdict.note
     assert said in " ".join(str(verdict.report()).split())
     assert said not in noisy.note
 
