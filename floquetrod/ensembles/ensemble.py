@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import warnings
 from collections.abc import Callable, Mapping, Sequence, Set
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, closing, nullcontext, suppress
@@ -10,11 +11,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from floquetrod._util import interrupt, validate, waiting
+from floquetrod._util.calling import level_of_caller
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
 from floquetrod.ensembles.stores import RESULTS, MemoryStore, RunResult, StoreLayout, chunk_shape, reason_of
 from floquetrod.ensembles.variables import DONE
 from floquetrod.ensembles.varied_axes import MOST_RUNS, RUN_SEED, Design, design_of, varied
 from floquetrod.ensembles.workers import OwnProcesses, TaskRunner, require_executor, work
+from floquetrod.simulation.resolution import ResolutionWarning
 from floquetrod.simulation.simulation_problem import SimulationProblem
 
 
@@ -137,6 +140,9 @@ def ensemble(
     plan = StoreLayout(study, names or (), frames, chunk)
     runs = plan.runs_of(plan.part(share))
     pending = list(runs) if opened is None else opened.pending(runs, retry_failed=retry_failed)
+    sentences = (tasks.coarseness(problem, study.values(run)) for run in tasks.spread(pending))
+    if sentence := next(filter(None, sentences), ""):
+        warnings.warn(sentence, ResolutionWarning, stacklevel=level_of_caller())
     runner = None if not pending else TaskRunner(executor) if count is None else OwnProcesses(count)
     try:
         if runner is not None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.tasks import coarseness, spread
 from floquetrod.ensembles.variables import DONE
 from floquetrod.ensembles.varied_axes import varied
 from floquetrod.simulation.findings import STABLE_LOAD
@@ -37,10 +38,26 @@ def doubts(runs: Runs) -> list[str]:
     for kind, count in counted(runs).items():
         if count and (doubt := Outcome(kind, 0.0).doubt):
             sentences.append(f"{count:,} {'run' if count == 1 else 'runs'} counted as not buckled, {doubt}")
+    sentences += _too_coarse(runs)
     count = _buckled_under_stable_loads(runs)
     return (
         [*sentences, f"{count:,} {'run' if count == 1 else 'runs'} buckled, but {STABLE_LOAD}"] if count else sentences
     )
+
+
+def _too_coarse(runs: Runs) -> list[str]:
+    """Return a sentence about runs with too few segments for the modes that grow, among twenty spread over them all."""
+    names = list(runs.attrs.get("varied", ()))
+    if "problem" not in runs.attrs or not set(names) <= runs.coords.keys():
+        return []
+    problem = SimulationProblem.from_dict(json.loads(runs.attrs["problem"]))
+    dims, texts = runs.variables["status"].dims, []
+    for place in spread(list(np.argwhere(runs["status"] == DONE))):
+        at = dict(zip(dims, place.tolist(), strict=True))
+        values = {name: runs[name][tuple(at[dim] for dim in runs.coords[name].dims)].item() for name in names}
+        texts.append(coarseness(problem, values))
+    coarse = list(filter(None, texts))
+    return [f"{'' if all(texts) else 'some '}runs are too coarse: {coarse[0]}"] if coarse else []
 
 
 def _buckled_under_stable_loads(runs: Runs) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from floquetrod.simulation.outcome import KINDS
 from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem
 
 Summary = Callable[[Simulation], Mapping[str, float]]
+
+_MOST_JUDGED = 20  # runs whose segments are judged before the others are made, ten milliseconds each (a choice)
+T = TypeVar("T")
 
 OWN_ERRORS = (Exception, SystemExit)
 """What a run or its summary may raise without ending others."""
@@ -41,13 +44,28 @@ def simulate_runs(
     outcomes = []
     for run, values in batch:
         try:
-            made = varied(job.problem, values).run(progress)
+            problem = varied(job.problem, values)
+            made = problem._run(problem.time_steps, progress, None)  # what `run` warns of, the ensemble says once
             if not made.complete:
                 break
             outcomes.append(outcome(job, run, made))
         except OWN_ERRORS as error:  # whatever it is, the other runs continue
             outcomes.append(failure(run, error))
     return outcomes
+
+
+def spread(runs: Sequence[T]) -> list[T]:
+    """Return up to twenty of the runs, evenly spread from the first to the last."""
+    places = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), _MOST_JUDGED)).astype(int))
+    return [runs[place] for place in places.tolist()]
+
+
+def coarseness(problem: SimulationProblem, values: Mapping[str, float]) -> str:
+    """Return what too few segments make wrong in a run, in words; "" where there are enough, or no such run."""
+    try:
+        return varied(problem, values)._coarseness
+    except (ValueError, ArithmeticError):
+        return ""
 
 
 def outcome(job: TaskSettings, run: int, made: Simulation) -> RunResult:

@@ -305,6 +305,16 @@ class SimulationProblem:
             f"{waves.fastest} grows fastest{highest}"
         )
 
+    @property
+    def _coarseness(self) -> str:
+        """What too few segments make wrong, and how many are enough, in words; "" where there are enough."""
+        if not self.unresolved:
+            return ""
+        remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
+        if self.start is not None:
+            remedy = f"take {self._growing.least_segments} or more in the run it starts from"
+        return f"{self.unresolved}: the growing modes and their rates will be wrong; {remedy}"
+
     def replace(self, **changes: Any) -> SimulationProblem:
         """Return a copy with some parameters changed, checked again; a default number of segments is chosen again.
 
@@ -349,12 +359,8 @@ class SimulationProblem:
         """
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
-        if self.unresolved:
-            wrong = f"{self.unresolved}: the growing modes and their rates will be wrong"
-            remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
-            if self.start is not None:
-                remedy = f"take {self._growing.least_segments} or more in the run it starts from"
-            warnings.warn(f"{wrong}; {remedy}", ResolutionWarning, stacklevel=level_of_caller())
+        if self._coarseness:
+            warnings.warn(self._coarseness, ResolutionWarning, stacklevel=level_of_caller())
         return self._run(self.time_steps, progress, place)
 
     def _run(

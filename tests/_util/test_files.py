@@ -237,7 +237,7 @@ def test_the_terminal_checks_before_it_computes(
     from studies import __main__, reproduction
 
     forbidden(fr, "stability_map")
-    forbidden(fr.SimulationProblem, "run")
+    forbidden(fr.SimulationProblem, "_run")
     forbidden(reproduction.figures, "figure_2")
     where = tmp_path / "report.html"
     where.mkdir()

@@ -179,6 +179,33 @@ def test_failures_are_grouped_by_their_reason(tmp_path: Path, capsys: pytest.Cap
     assert re.search(r"\n +40 +0, 2 failed +-  0\.000 to 1\.000\n", out)
 
 
+@pytest.mark.filterwarnings("default::floquetrod.ResolutionWarning")
+@pytest.mark.parametrize("workers", [[], pytest.param(["--workers", "2"], marks=pytest.mark.slow)])
+def test_too_few_segments_are_a_note_and_one_warning(
+    workers: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    load = 'mean = "3Fcr"\namplitude = "0N"\nfrequency = "100rad/s"'
+    study = written(
+        tmp_path,
+        load=load,
+        run='duration = "0.3s"\nsegments = 37\nframes = 4',
+        start='random = "1mm/s"',
+        over="seed = [1, 2, 3]",
+    )
+    line = ["ensemble", study, "--store", str(tmp_path / "runs.npz"), *workers]
+    assert cli.main(line) == 0
+    first = capsys.readouterr()
+    note = re.search(r"^note      runs are too coarse: (37 segments resolve modes up to 6, .*)$", first.out, re.M)
+    assert note is not None
+    assert "rates will be wrong; take " in note[1]
+    assert first.err.count("rates will be wrong") == 1
+    assert f"floquetrod: warning: {note[1]}\n" in first.err
+    assert cli.main(line) == 0
+    again = capsys.readouterr()
+    assert note[0] in again.out
+    assert "rates will be wrong" not in again.err
+
+
 def test_without_samples_there_are_no_probabilities(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = answer(capsys, written(tmp_path, over='kick = ["10mm/s", "0.9m/s"]'))
     assert (record["rows"], record["buckled"], record["outcomes"]["swinging"]) == ([], 0, 1)

@@ -181,7 +181,7 @@ def test_failures_are_recorded_and_stop_nothing(monkeypatch: pytest.MonkeyPatch)
     assert "friction must be zero or more" in str(found.reason.values[1])
     assert np.isnan(found.largest_angle.values[1])
     with monkeypatch.context() as patched:
-        patched.setattr(fr.SimulationProblem, "run", raising(fr.SimulationProblem.run))
+        patched.setattr(fr.SimulationProblem, "_run", raising(fr.SimulationProblem._run))
         torn = fr.ensemble(PROBLEM, {"friction": [0.1, 0.2, 0.3]})
     assert torn.status.values.tolist() == [1, 2, 2]
     assert torn.reason.values.tolist() == ["", "SimulationDiverged: torn", "MemoryError: "]
