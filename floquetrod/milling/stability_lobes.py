@@ -40,6 +40,7 @@ _ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (me
 _TRACED = 4  # nodes more, with which logarithms are known to 2e-7, with more kinks than `_MOST_BREAKS` 2e-5 (measured)
 _SHOWN_ABOVE = 2.0  # least critical depths that a range suggested for a chart shows (a choice)
 _STRONG = 0.1  # of the strongest vibration, from which others may name a lobe (a choice)
+_SPEEDS, _ROUNDS = 4, 5  # between columns, where lobes are lowest: to a hundredth of their distance (a choice)
 _SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
 _NOT_REAL = 1e-6  # rad of a multiplier's angle, from 0 or pi
 
@@ -66,7 +67,7 @@ class Lobe(NamedTuple):
     speeds : (float, float)
         Spindle speeds, in rad/s, of its first and its last column of the chart: its edges lie up to a column beyond.
     depth : float
-        Its least critical depth at a column, in m.
+        Its least critical depth, in m, searched between the columns beside the least one too.
     at : float
         The speed there, in rad/s.
     frequency : float
@@ -147,8 +148,8 @@ class Lobes(Reported, NoTruthValue, ByContent):
         ]
         head = ("lobe", "columns / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
         rest = (
-            f"Columns of the chart are {_rpm(self._width):.4g} rpm apart: edges of lobes lie up to so much beyond, and "
-            "depths between columns may be less."
+            f"Columns of the chart are {_rpm(self._width):.4g} rpm apart: edges of lobes lie up to so much beyond.  "
+            "Least depths are searched between columns too."
         )
         return Report(repr(self.milling).strip("<>"), (), Table([(title, "<") for title in head], rows, rest))
 
@@ -447,7 +448,7 @@ def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
     chart = charted(CuttingPlane(milling), x, y, growth=growth).in_units(spindle="rpm", depth="mm")
     status = np.where(chart.stable, STABLE, UNSTABLE).T
     depths = _first(milling, across, up, status)
-    return Lobes(milling, chart, across, depths, tuple(_named(milling, across, depths)))
+    return Lobes(milling, chart, across, depths, tuple(_named(milling, across, depths, up)))
 
 
 def _axis(name: str, given: Any, read: Any) -> Floats:
@@ -466,28 +467,61 @@ class _Onset(NamedTuple):
     turns: float
 
 
-def _named(milling: Cutter, speeds: Floats, depths: Floats) -> list[Lobe]:
+def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> list[Lobe]:
     """Return the lobes between critical depths: neighbours that begin in one way, with as many whole vibrations."""
     between = 2.0 * math.pi / milling.teeth / milling.cycle  # two teeth, on average
+
+    def name(onset: _Onset) -> tuple[Kind, int]:
+        return onset.kind, math.floor(onset.turns * between)
+
     there = np.flatnonzero(np.isfinite(depths) & (depths > 0.0)).tolist()
     onsets = {i: _onset(milling, speeds[i], depths[i]) for i in there}
     groups: list[list[int]] = []
     for i in there:
-        one, last = onsets[i], onsets.get(i - 1)
-        if last is None or (one.kind, math.floor(one.turns * between)) != (
-            last.kind,
-            math.floor(last.turns * between),
-        ):
+        last = onsets.get(i - 1)
+        if last is None or name(onsets[i]) != name(last):
             groups.append([])
         groups[-1].append(i)
     lobes = []
     for members in groups:
-        lowest = min(members, key=lambda i: float(depths[i]))
-        onset, speed = onsets[lowest], float(speeds[lowest])
+        i = min(members, key=lambda i: float(depths[i]))
+        low, high = float(speeds[max(i - 1, 0)]), float(speeds[min(i + 1, speeds.size - 1)])
+        lowest = _Lowest(float(speeds[i]), float(depths[i]), onsets[i])
+        for _ in range(_ROUNDS):
+            inner = np.linspace(low, high, _SPEEDS + 2)[1:-1]
+            found = [
+                each for each in _lower(milling, inner, lowest.depth, tried) if name(each.onset) == name(lowest.onset)
+            ]
+            lowest = min([lowest, *found], key=lambda each: each.depth)
+            width = (high - low) / (_SPEEDS + 1)
+            low, high = max(low, lowest.speed - width), min(high, lowest.speed + width)
+        kind, number = name(lowest.onset)
         ends = float(speeds[members[0]]), float(speeds[members[-1]])
-        frequency = onset.turns * 2.0 * math.pi * speed / milling.cycle
-        lobes.append(Lobe(onset.kind, math.floor(onset.turns * between), ends, float(depths[lowest]), speed, frequency))
+        frequency = lowest.onset.turns * 2.0 * math.pi * lowest.speed / milling.cycle
+        lobes.append(Lobe(kind, number, ends, lowest.depth, lowest.speed, frequency))
     return lobes
+
+
+class _Lowest(NamedTuple):
+    """The place where a lobe is lowest, as far as it was searched, and how chatter begins there."""
+
+    speed: float
+    depth: float
+    onset: _Onset
+
+
+def _lower(milling: Cutter, speeds: Floats, depth: float, tried: Floats) -> list[_Lowest]:
+    """Return where chatter begins at less than a depth, among the depths tried along the columns of a chart."""
+    rows = np.append(tried[tried < depth], depth)
+    if rows.size < 2:
+        return []
+    status = judged(milling, np.repeat(speeds, rows.size), np.tile(rows, speeds.size)).status
+    first = _first(milling, speeds, rows, status.reshape(speeds.size, rows.size))
+    return [
+        _Lowest(speed, less, _onset(milling, speed, less))
+        for speed, less in zip(speeds.tolist(), first.tolist(), strict=True)
+        if 0.0 < less < depth
+    ]
 
 
 def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:

@@ -277,6 +277,16 @@ def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() 
     assert all(0.8 < lobe.frequency / (2.0 * math.pi * 922.0) < 1.2 for lobe in lobes.lobes)
 
 
+def test_the_least_depth_of_a_lobe_is_searched_between_columns() -> None:
+    lobes = cutter().lobes(("5650rpm", "6550rpm", 8), ("0mm", "1mm", 6))
+    (lobe,) = lobes.lobes
+    width = lobes.speeds[1] - lobes.speeds[0]
+    depths = critical_depths(cutter(), np.linspace(lobe.at - width, lobe.at + width, 21))
+    assert lobe.depth <= depths.min() * (1.0 + 1e-9)
+    assert lobe.depth < 0.999 * lobes.depths.min()  # at a column chatter begins deeper
+    assert cutter().critical_depth(f"{lobe.at!r}rad/s") == pytest.approx(lobe.depth, rel=1e-9)
+
+
 def test_where_no_lobe_is_in_range_a_range_is_told_that_has_one() -> None:
     def asked(speed: tuple[str, str], low: str, high: str) -> Any:
         return cutter().lobes((*speed, 6), (low, high, 5))
