@@ -233,7 +233,7 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
         if turn > 50 and (turns := _returns_after(np.array(strobed[-13:]), motion)):
             raise ValueError(
                 f"start leads to motion that returns after {turns} periods, not after one; give period = "
-                f"{turns} * {period:.6g}"
+                f"{turns} * {period:.6g}, or follow the orbit of one period by fr.follow from where it is stable"
             )
     return best if best is not None else motion
 

@@ -215,6 +215,17 @@ def test_rows_that_the_integration_did_not_reach_do_not_count(monkeypatch: pytes
         fr.periodic_orbit(VAN_DER_POL, [2.0, 0.0])
 
 
+def test_motion_of_two_periods_is_led_to_them_and_to_the_orbit_of_one() -> None:
+    def duffing(t: Any, x: Any) -> Any:
+        return x[1], -0.3 * x[1] + x[0] - x[0] ** 3 + 0.28 * np.cos(1.2 * t)
+
+    words = (
+        r"after 2 periods, not after one; give period = 2 \* 5\.23599, or follow the orbit of one period by fr\.follow"
+    )
+    with pytest.raises(ValueError, match=words):
+        fr.periodic_orbit(fr.NonlinearSystem(duffing, period=2.0 * np.pi / 1.2), [1.0, 0.0])
+
+
 def test_newton_says_where_it_stood() -> None:
     motion = np.array([3.0, 3.0, 3.0]) * np.cos(np.arange(0.0, 9.0, 0.02))[:, None]
     with pytest.raises(fr.NoOrbitError, match=r"its last point has the period .* missed by") as caught:
