@@ -58,7 +58,7 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
         r"growth    0\.0353278 per unit time, tenfold in 65\.18",
         r"named     sum resonance of modes 1 and 2, order 1, growth 0\.0353278",
         r"margin    the largest multiplier lies 0\.0768 outside the unit circle",
-        r"damping   stable with a decay rate above 0\.035336 per unit time added to every motion: C \+ 0\.070671\d I",
+        r"damping   every motion must decay faster by 0\.035336 per unit time to be stable: C \+ 0\.070671\d I; larger",
         r"method    half_period, 1 half period; multipliers good to \de-1\d relative",
         r"  -0\.539940098 \+0\.931641105i     1\.07679639     \+0\.667193     \de-1\d$",
     ):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,3 +88,22 @@ def test_none_is_needed_none_suffices_or_none_is_known(tuned: Tuned) -> None:
     assert math.isnan(fr.stability(fr.HillSystem(free, [0.1 * free])).damping_to_stabilise)
     tuned(seconds_of_a_damping_search=0.0)
     assert math.isnan(fr.stability(coupled(3.0)).damping_to_stabilise)
+
+
+@pytest.mark.parametrize("mass", [None, 2.0])
+def test_the_report_gives_the_damping_that_is_there_and_the_sum(mass: float | None) -> None:
+    unit, inertia = ("I", np.eye(2)) if mass is None else ("M", mass * np.eye(2))
+    waves = inertia @ np.array([[[1.5, 0.8], [0.8, 1.2]]])
+
+    def line(damping: Any) -> str:
+        others = {} if mass is None else {"mass": inertia}
+        system = fr.HillSystem(inertia @ np.diag([1.0, 4.0]), waves, damping=damping, period=math.pi, **others)
+        return str(fr.stability(system).report(damping=True)).partition("\ndamping ")[2].partition("\n")[0]
+
+    found = re.search(rf"to be stable: C \+ (\S+) {unit} = (\S+) {unit};", line(0.2 * inertia))
+    assert found is not None
+    assert float(found[2]) == pytest.approx(0.2 + float(found[1]), rel=1e-5)
+    alone = re.search(rf"to be stable: C \+ (\S+) {unit};", line(None))
+    assert alone is not None
+    assert float(alone[1]) == pytest.approx(float(found[2]), rel=1e-4)  # what suffices in all is one number
+    assert " = " not in line(np.diag([0.02, 0.04]))  # no multiple of the mass

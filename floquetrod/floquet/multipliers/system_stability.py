@@ -185,12 +185,16 @@ class SystemStability(FloquetVerdict):
                 return []
             text = "strong damping does not stabilise it, as the mean stiffness alone is unstable; weak damping may"
             return [("damping", text)]
+        text = f"every motion must decay faster by {rate:.6g} per unit time to be stable"
         if isinstance(self.system, PeriodicSystem):
-            text = f"every motion must decay faster by {rate:.6g} per unit time to be stable: A - {rate:.6g} I"
-            return [("damping", text)]
-        added = f"C + {2.0 * rate:.6g} {'M' if getattr(self.system, 'mass', None) is not None else 'I'}"
-        text = f"stable with a decay rate above {rate:.6g} per unit time added to every motion: {added}"
-        return [("damping", f"{text}; larger rates were tried, not all")]
+            return [("damping", f"{text}: A - {rate:.6g} I")]
+        return [("damping", f"{text}: {self._more_damping(2.0 * rate)}; larger rates were tried, not all")]
+
+    def _more_damping(self, added: float) -> str:
+        """Return the damping matrix with a multiple of the mass matrix added, and the sum where C is one too."""
+        unit = "I" if getattr(self.system, "mass", None) is None else "M"
+        present = getattr(self.system, "uniform_damping", None)
+        return f"C + {added:.6g} {unit}" + (f" = {2.0 * present + added:.6g} {unit}" if present else "")
 
     @property
     def _headline(self) -> str:
