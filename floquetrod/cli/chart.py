@@ -50,6 +50,8 @@ Formulas have + - * / **, brackets, pi, sqrt, exp, log, sin, cos and tan; in fir
 complex entries.  They are computed, not run: a file from elsewhere can do no harm.  Equations with delays and with
 coefficients in pieces are taken likewise.
 
+Systems of several equations take minutes: --points 60x45 takes a quarter of the time for a first look.
+
 The unstable bands are listed, and in the figure a label 1+2·1 says modes 1 + 2, tongue 1: tongue m is where the
 frequency is about 2/m times that of one mode, or 1/m of the sum, or the difference, of two.
 

@@ -21,7 +21,7 @@ from floquetrod._util.arguments import argument_of, wrong_value
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
-from floquetrod.cli.parser import Parser, ratio
+from floquetrod.cli.parser import POINTS, Parser, ratio
 from floquetrod.rod.model.parameters import GIVEN, INSTEAD, OF_A_SECTION, units_given
 
 if TYPE_CHECKING:
@@ -430,8 +430,8 @@ def add_picture(command: Parser, points: str, default: str) -> None:
         help="draw the unstable bands as shapes (the default where they take about as long as the points)",
     )
     shape.add_argument("--pixels", action="store_true", help="draw the points in place of bands")
-    help_points = f"columns x rows (default {points})"
-    command.add_argument("--points", metavar="COLUMNSxROWS", default=points, help=help_points)
+    help_points = f"columns x rows (default {points}); fewer take less time"
+    command.add_argument("--points", metavar=POINTS, default=points, help=help_points)
     command.add_argument("--growth", action="store_true", help="shade by growth rate")
     command.add_output("--out", chart_files, "file to write", default=default)
 
@@ -509,9 +509,11 @@ def read_points(text: str) -> tuple[int, int]:
     match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)
     columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
     if min(columns, rows) < 2 or columns * rows > _MOST_POINTS:
+        apart = re.fullmatch(r"\s*(\d{1,6})[^\d.]+(\d{1,6})\s*", text, re.ASCII) if match is None else None
+        remedy = f"; write {apart[1]}x{apart[2]}" if apart and not text.strip().startswith("-") else ""
         raise ValueError(
             f"--points must be columns x rows such as 400x300, two or more and {_MOST_POINTS:,} in all at most, "
-            f"got {text!r}"
+            f"got {text!r}{remedy}"
         )
     return columns, rows
 

@@ -13,7 +13,7 @@ from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import chart_files, describe_command, read_points, write_charts
 from floquetrod.cli.output import Output, output
-from floquetrod.cli.parser import Parser
+from floquetrod.cli.parser import POINTS, Parser
 from floquetrod.milling.tool_file import cutting_depth, read_tool, spindle_speed
 
 _HELP = """\
@@ -45,7 +45,9 @@ def add(command: Parser) -> None:
     command.add_argument("tool", metavar="FILE", type=Path, help="the cutter, a TOML file")
     command.add_argument("--speed", metavar="LOW:HIGH", help="spindle speeds, such as 5000rpm:10000rpm (default: rpm)")
     command.add_argument("--depth", metavar="LOW:HIGH", help="axial depths of cut, such as 0mm:4mm")
-    command.add_argument("--points", metavar="COLUMNSxROWS", default="200x100", help="columns x rows (default 200x100)")
+    command.add_argument(
+        "--points", metavar=POINTS, default="200x100", help="columns x rows (default 200x100); fewer take less time"
+    )
     command.add_argument("--growth", action="store_true", help="shade by growth rate")
     command.add_argument("--at", metavar="SPEED", help="print only the critical depth at this speed (default: rpm)")
     command.add_output("--out", chart_files, "file to write", default=_CHART)

@@ -13,6 +13,9 @@ from typing import Any, NoReturn
 from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 
+POINTS = "COLUMNSxROWS"
+"""What the help calls the value of an option that takes two numbers with an x between."""
+
 _DASHES = "-\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}"
 _OPTION = re.compile(rf"([{_DASHES}]{{1,2}})([A-Za-z][\w-]*)(=.*)?", re.DOTALL)
 
@@ -171,7 +174,10 @@ def _alone(word: str, words: Sequence[str], options: Any) -> str:
     if place is None or (place == len(before) - 1 and "=" not in before[place]):
         return f"{word!r} belongs to no option"
     option, _, attached = before[place].partition("=")
-    value = " ".join(filter(None, [attached, *before[place + 1 :], word]))
+    values = [*filter(None, [attached, *before[place + 1 :], word])]
+    value = ("x" if getattr(options.get(option), "metavar", None) == POINTS else " ").join(values)
+    if value == "x".join(values):
+        return f"{word!r} belongs to no option; did you mean {option} {value}?"
     return f"{word!r} belongs to no option; a value of several words needs quotes, as in {option} {shlex.quote(value)}"
 
 
