@@ -12,7 +12,7 @@ from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli import system
-from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_command
+from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_command, require_no_values
 from floquetrod.cli.loads import add_question, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
@@ -75,6 +75,7 @@ def _certify(options: argparse.Namespace) -> Output:
         system.require_alone(options)
         answer, status = system.prove(options)
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
+    require_no_values(options)
     asked = read_ranges(options)
     rod, like, values, tolerance, shown = asked
     shown = _typed(options.vary) | shown

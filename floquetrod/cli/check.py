@@ -22,6 +22,7 @@ from floquetrod.cli.common import (
     read_friction,
     read_tolerance,
     read_units,
+    require_no_values,
     write_figures,
 )
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
@@ -78,6 +79,8 @@ Delayed terms:
   [[system.delayed]]
   delay = 0.5
   matrix = [[0.1, 0], [0, 0]]                 # also cosines and sines
+In TOML files a text in place of a number is a formula of [parameters], see floquetrod chart --help-all; --set
+omega=2.5 gives one of these its value.
 """
 
 
@@ -140,6 +143,7 @@ def _check(options: argparse.Namespace) -> Output:
         system.require_alone(options)
         about_system, verdict = system.classify(options)
         return about_system._replace(status=_STATUS[verdict] if options.exit_code else 0)
+    require_no_values(options)
     if options.method is not None:
         raise ValueError(
             f"--method belongs to --system, got {options.method!r} with --rod: the methods for a rod follow from its "

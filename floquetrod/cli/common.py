@@ -102,7 +102,20 @@ def add_subject(command: argparse.ArgumentParser) -> Any:
         metavar="FILE",
         help="a TOML or npz file with the matrices of a system, see floquetrod check --help-all",
     )
+    command.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="value of a parameter of the system's file; may be repeated",
+    )
     return subject
+
+
+def require_no_values(options: argparse.Namespace) -> None:
+    """Raise ValueError where parameters of a system were given beside a rod."""
+    if options.set:
+        raise ValueError(f"--set belongs to --system, got {options.set[0]!r} with --rod")
 
 
 def add_survey(command: argparse.ArgumentParser) -> None:

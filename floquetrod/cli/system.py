@@ -14,7 +14,7 @@ from floquetrod.cli.output import Output, output
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet.verdict import Status
 
-_OF_A_SYSTEM = ("command", "system", "method", "exit_code", "json")
+_OF_A_SYSTEM = ("command", "system", "set", "method", "exit_code", "json")
 """Options that go with a system."""
 
 
@@ -48,6 +48,18 @@ def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem | fr
     """Return the system of ``options.system``."""
     require_file("--system", Path(options.system), "a TOML or npz file")
     try:
-        return read_system(options.system)
+        return read_system(options.system, _values(options.set))
     except ValueError as error:
         raise ValueError(f"--system: {error}") from None
+
+
+def _values(typed: list[str]) -> dict[str, str]:
+    """Return the parameters of --set as texts by name."""
+    values: dict[str, str] = {}
+    for text in typed:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise ValueError(f"--set must be a parameter and its value such as omega=2.5, got {text!r}")
+        if values.setdefault(name, value) != value:
+            raise ValueError(f"--set must give {name} once, got {values[name]!r} and {value!r}")
+    return values

@@ -8,6 +8,7 @@ import tomllib
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,7 +50,9 @@ class SystemFamily(NamedTuple):
     over: dict[str, tuple[float, float]]
 
 
-def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
+def read_system(
+    path: str | Path, values: Mapping[str, Any] = MappingProxyType({})
+) -> HillSystem | PeriodicSystem | DelaySystem:
     """Read one system from a TOML file, under [system], or from an npz file of arrays.
 
     Keys, or names of arrays, are the parameters of `HillSystem` (with ``stiffness``) or of `PeriodicSystem` (with
@@ -66,6 +69,9 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``, or
     ``matrix_start`` and ``slope``.  In npz files they are arrays with the terms as their first axis: ``delays``,
     ``delayed``, ``delayed_cosines`` and ``delayed_sines``.
+
+    A TOML file may have [parameters] and formulas of them, as of `read_family`, where each parameter has a number, in
+    the file or in ``values``, by its name.
 
     In first order without delays entries may be complex: in TOML files texts such as "-0.1+2i", "0.5i" or "-i", among
     numbers; in npz files arrays are complex.
@@ -86,7 +92,7 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     except (OSError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, zipfile.BadZipFile) as error:
         raise ValueError(f"system file {path} cannot be read: {error}") from None
     try:
-        return _system(table)
+        return _system(_at_values(table, values))
     except (TypeError, ValueError) as error:
         raise ValueError(f"system file {path}: {error}") from None
 
@@ -115,13 +121,13 @@ def read_family(path: str | Path) -> SystemFamily:
 
 
 def _toml(path: Path) -> Mapping[str, Any]:
-    """Return the table [system] of a TOML file."""
+    """Return the table [system] of a TOML file, with [parameters] both tables."""
     text = tomllib.loads(path.read_text(encoding="utf-8"))
     table = text.pop("system", None)
     if not isinstance(table, dict):
         raise ValueError("it has no table [system]")
-    if "parameters" in text:
-        raise ValueError("it holds 'parameters' beside [system], a family of systems, which floquetrod chart draws")
+    if set(text) == {"parameters"}:
+        return {"system": table, **text}
     if text:
         raise ValueError(f"it holds {', '.join(map(repr, text))} outside of [system]")
     return table
@@ -225,8 +231,36 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySyst
     return system
 
 
-def _family(text: Mapping[str, Any], name: str) -> SystemFamily:
-    """Return the family of a file's tables."""
+def _at_values(text: Mapping[str, Any], values: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the table of a system at the numbers of its parameters."""
+    if "parameters" not in text or "system" not in text:
+        if values:
+            raise ValueError(f"it has no table [parameters], and a value of {next(iter(values))!r} was given")
+        return text
+    if isinstance(text["parameters"], dict):
+        require_keys(values, text["parameters"])
+        text = {**text, "parameters": {**text["parameters"], **values}}
+    constants, over, table = _in_formulas(text)
+    if over:
+        name, (low, high) = next(iter(over.items()))
+        raise ValueError(
+            f"parameter {name!r} must have a number for one system, got the range {low:g}:{high:g}; give it one, in "
+            f"the terminal --set {name}={0.5 * (low + high):.3g}, or draw them all by floquetrod chart"
+        )
+    numbers: Mapping[str, Any] = _with_values(table, constants)
+    return numbers
+
+
+class _InFormulas(NamedTuple):
+    """Numbers and ranges of the parameters of a file, and its system with formulas of them."""
+
+    constants: dict[str, float]
+    over: dict[str, tuple[float, float]]
+    table: Any
+
+
+def _in_formulas(text: Mapping[str, Any]) -> _InFormulas:
+    """Return the parameters and the system of a file's tables."""
     require_keys(text, ("system", "parameters"))
     for key in ("system", "parameters"):
         if not isinstance(text.get(key), dict):
@@ -245,12 +279,18 @@ def _family(text: Mapping[str, Any], name: str) -> SystemFamily:
             over[key] = ends[0], ends[1]
         else:
             raise ValueError(f'{key} must be a number or a range from less to more such as "1.5:4.5", got {value!r}')
-    if len(over) != 2:
-        raise ValueError(f'two parameters must have ranges such as "1.5:4.5", got {", ".join(over) or "none"}')
     named: set[str] = set()
     table = _with_formulas(text["system"], {*constants, *over}, named)
     if unused := [key for key in (*over, *constants) if key not in named]:
         raise ValueError(f"no formula of the system has the parameter {unused[0]!r}")
+    return _InFormulas(constants, over, table)
+
+
+def _family(text: Mapping[str, Any], name: str) -> SystemFamily:
+    """Return the family of a file's tables."""
+    constants, over, table = _in_formulas(text)
+    if len(over) != 2:
+        raise ValueError(f'two parameters must have ranges such as "1.5:4.5", got {", ".join(over) or "none"}')
 
     def system(**point: float) -> HillSystem | PeriodicSystem | DelaySystem:
         return _system(_with_values(table, constants | point))

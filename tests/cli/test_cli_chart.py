@@ -240,4 +240,4 @@ def test_bad_options_are_refused(words: list[str], message: str, capsys: pytest.
 
 def test_check_says_which_command_takes_a_family(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["check", "--system", str(EXAMPLE)]) == 2
-    assert "a family of systems, which floquetrod chart draws" in capsys.readouterr().err
+    assert "give it one, in the terminal --set omega=3, or draw them all by floquetrod chart" in capsys.readouterr().err

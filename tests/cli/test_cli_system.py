@@ -361,3 +361,62 @@ def test_certify_proves_the_system(tmp_path: Path, capsys: pytest.CaptureFixture
 def test_a_system_takes_no_box(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["certify", "--system", str(EXAMPLE), *arguments]) == 2
     assert re.search(message, capsys.readouterr().err)
+
+
+FAMILY = (ROOT / "floquetrod/examples/family.toml").read_text(encoding="utf-8")
+NUMBERS = FAMILY.replace('"1.5:4.5"', "2.0").replace('"0:0.6"', '"3/10"')
+
+
+def test_a_family_is_checked_at_numbers_of_its_parameters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    family, numbers = tmp_path / "family.toml", tmp_path / "numbers.toml"
+    family.write_text(FAMILY, encoding="utf-8")
+    numbers.write_text(NUMBERS, encoding="utf-8")
+    asked = [
+        ["--system", str(numbers)],
+        ["--system", str(family), "--set", "omega=2", "--set", "epsilon = 0.3"],
+        ["--system", str(numbers), "--set", "zeta=0.02/2"],
+    ]
+    answers = []
+    for words in asked:
+        assert cli.main(["check", *words, "--json"]) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0] == answers[1] == answers[2]
+    matrices = {"cosines": [[[0.15, 0.3], [0.3, 0.24]]], "damping": [[0.02, 0.0], [0.0, 0.04]]}
+    alike = fr.stability(fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], **matrices, period=math.pi))
+    assert answers[0]["status"] == alike.status == "unstable"
+    assert answers[0]["growth_rate_per_unit_time"] == pytest.approx(alike.growth_rate, rel=1e-12)
+    assert cli.main(["check", *asked[1]]) == 0
+    assert "damping" in capsys.readouterr().out
+    assert cli.main(["certify", *asked[1]]) == 0
+    assert "UNSTABLE" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "message"),
+    [
+        (FAMILY, [], "parameter 'omega' must have a number for one system, got the range 1.5:4.5; give it one, in the "
+         "terminal --set omega=3, or draw them all by floquetrod chart"),
+        (FAMILY, ["omega=2", "epsilon=0:1"], "parameter 'epsilon' must have a number for one system"),
+        (NUMBERS, ["omeg=2"], "did you mean omega?"),
+        (NUMBERS, ["omega"], "--set must be a parameter and its value such as omega=2.5, got 'omega'"),
+        (NUMBERS, ["omega=2", "omega=3"], "--set must give omega once, got '2' and '3'"),
+        (NUMBERS, ["omega=2Hz"], "omega must be a number, or a formula of numbers such as 2*pi, got '2Hz'"),
+        (NUMBERS.replace("0.01", "true"), [], "zeta must"),
+        (COUPLED + "frequency = 3.0\n", ["omega=2"], "it has no table [parameters], and a value of 'omega' was given"),
+    ],
+)  # fmt: skip
+def test_wrong_values_of_parameters_are_refused(
+    text: str, words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "system.toml"
+    path.write_text(text, encoding="utf-8")
+    assert cli.main(["check", "--system", str(path), *(word for value in words for word in ("--set", value))]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize("command", ["check", "certify"])
+def test_parameters_of_a_system_do_not_go_with_a_rod(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([command, "--rod", "nitinol", "--frequency", "20Hz", "--set", "omega=2"]) == 2
+    assert "--set belongs to --system, got 'omega=2' with --rod" in capsys.readouterr().err
