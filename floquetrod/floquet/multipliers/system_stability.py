@@ -98,7 +98,8 @@ class SystemStability(FloquetVerdict):
         """Quasienergies e of a "unitary" system, ascending, of its solutions exp(-i e t) u(t) with u of the period.
 
         In units of an angular frequency (of hbar), above -w / 2 and up to w / 2, w = 2 pi / period: minus the imaginary
-        parts of the exponents.  Empty where the system is not unitary or nothing is known.
+        parts of the exponents.  Empty where the system is not unitary, as with losses, for which ``exponents`` hold
+        decay rates and frequencies, and where nothing is known.
 
         Examples
         --------
