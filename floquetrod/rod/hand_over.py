@@ -34,7 +34,7 @@ from floquetrod.rod.answers.string_reach import Reach, frequency_table
 from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, UniformForceWarning
-from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.data import RodData, UniformPart
 from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.model.rod_in_words import size_in_words, table_of_parts
 from floquetrod.rod.stability_map import stability_map
@@ -449,18 +449,23 @@ def _buckling(
     rod: RodData, units: AnswerUnits, verdict: RodStability | None = None, *, is_vertical: bool
 ) -> DocumentSection:
     """Return constant forces at which the literature has the rod buckle, those that apply, and the stress of a load."""
+    parts = {_name_of(part, rod, units): part.rod for part in rod.uniform_parts}
+    forces: dict[str, Any] = {}
+    unknown: list[tuple[str, str]] = []
     try:
-        forces, unknown = rod.critical_forces, []
+        for which, part in parts.items():
+            forces |= {f"{name}{which}": force for name, force in part.critical_forces.items()}
     except ValueError as error:  # the rod has a parameter that they do not know
         forces, unknown = {}, [("buckling", str(error))]
     mean = None if verdict is None else verdict.load.mean
     rows = [
         (name, units.force.show(force, 4), *([] if mean is None else [f"{mean / force:.3g}"]), f"{meaning} ({source})")
         for name, (force, meaning, source) in forces.items()
-        if is_vertical or name != "vertical"
+        if is_vertical or not name.startswith("vertical")
     ]
     share = [] if mean is None else [("mean / force", ">12")]
-    table = Table((("buckling", "<16"), ("force", ">12"), *share, ("meaning", "<1")), rows) if rows else None
+    width = max((len(name) for name in forces), default=16)
+    table = Table((("buckling", f"<{width}"), ("force", ">12"), *share, ("meaning", "<1")), rows) if rows else None
     lines = list(unknown)
     if verdict is not None:
         lines.append(("stress", verdict.rod.stress(verdict.load).in_words(units.pressure)))
@@ -469,6 +474,13 @@ def _buckling(
         lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
     title = "Constant forces" if verdict is None else "Constant forces and stress"
     return DocumentSection(f"{title}{' where the well is level' if verdict is None else ''}", Report("", lines, table))
+
+
+def _name_of(part: UniformPart, rod: RodData, units: AnswerUnits) -> str:
+    """Return how buckling of a part of a string is told apart: by its section, its bore or both."""
+    section = f", section {part.section + 1}" if rod.sections[1:] else ""
+    bore = f", bore {units.across.show(2.0 * part.rod.channel_radius, 4)}" if rod.bores[1:] else ""
+    return section + bore
 
 
 def _level(rod: RodData) -> RodData:

@@ -296,6 +296,19 @@ def test_one_report_whichever_command_writes_it(tmp_path: Path) -> None:
         assert all(told in page for page in pages), told
 
 
+def test_a_tapered_string_has_the_constant_forces_of_each_section(tmp_path: Path) -> None:
+    sections = [fr.Section(name, length="1500m") for name in ("2.00x0.203 CT90", "2.00x0.156 CT90")]
+    string = fr.Rod(sections=sections, bores=[("0m", "4.778in")])
+    well = fr.WellPath([0.0, 1000.0, 1450.0, 2000.0], ["0deg", "0deg", "90deg", "90deg"])
+    found = string.reach(well, 0.2, depth=["1900m"])
+    page = words(fr.save_report(found, tmp_path / "reach.html").read_text(encoding="utf-8"))
+    level = string.replace(inclination="90deg")
+    for part in level.uniform_parts:
+        force, *_ = part.rod.critical_forces["sinusoidal"]
+        assert f"sinusoidal, section {part.section + 1} {force:.4g} N" in page
+    assert "uniform_parts" not in page
+
+
 def test_criteria_that_do_not_apply_are_left_out(tmp_path: Path) -> None:
     steep = ROD.replace(inclination="30deg")
     for rod, is_told in ((ROD, False), (steep, True)):
