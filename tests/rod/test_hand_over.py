@@ -20,6 +20,7 @@ from floquetrod.cli.main import main
 from floquetrod.plotting import document
 from floquetrod.rod import hand_over
 from floquetrod.rod.model.assumptions import Assumption
+from floquetrod.units import unit
 
 ROOT = Path(__file__).parents[2]
 ROD = fr.Rod.nitinol()
@@ -302,10 +303,10 @@ def test_a_tapered_string_has_the_constant_forces_of_each_section(tmp_path: Path
     well = fr.WellPath([0.0, 1000.0, 1450.0, 2000.0], ["0deg", "0deg", "90deg", "90deg"])
     found = string.reach(well, 0.2, depth=["1900m"])
     page = words(fr.save_report(found, tmp_path / "reach.html").read_text(encoding="utf-8"))
-    level = string.replace(inclination="90deg")
+    level, newtons = string.replace(inclination="90deg"), unit("N", "force", "force")
     for part in level.uniform_parts:
         force, *_ = part.rod.critical_forces["sinusoidal"]
-        assert f"sinusoidal, section {part.section + 1} {force:.4g} N" in page
+        assert f"sinusoidal, section {part.section + 1} {newtons.show(force, 4)}" in page
     assert "uniform_parts" not in page
 
 
