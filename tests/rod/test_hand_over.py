@@ -224,7 +224,7 @@ def test_all_of_it_is_in_the_units_asked_for(tmp_path: Path) -> None:
         "inner diameter 1.688 in, inclination 60 deg",
         "length 20 ft",
         "diameter 2 in (50.8 mm)",
-        "Young&#x27;s modulus 30.0228 Mpsi",
+        "Young's modulus 30.0228 Mpsi",
         "yield strength 90 ksi",
         "half wave",
         "gravity 32.185 ft/s2",
