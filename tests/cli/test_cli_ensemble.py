@@ -87,7 +87,8 @@ def test_rods_by_file_by_table_and_from_the_catalogue(tmp_path: Path) -> None:
 
 def test_waves_measured_forces_and_cases(tmp_path: Path) -> None:
     t = np.linspace(0.0, 1.0, 400, endpoint=False)
-    np.savetxt(tmp_path / "force.csv", np.column_stack([t, 0.5 + 0.1 * np.sin(20.0 * np.pi * t)]), delimiter=",")
+    rows = np.column_stack([t, 0.5 + 0.1 * np.sin(20.0 * np.pi * t)])
+    np.savetxt(tmp_path / "force.csv", rows, delimiter=",", header="t (s),force (N)", comments="")
     measured = fr.Study.from_toml(Path(written(tmp_path, load='force = "force.csv"'))).problem.load
     assert measured.frequency == pytest.approx(20.0 * np.pi, rel=1e-3)
     body = TABLES["load"] + '\nwave = "held"\naxial_damping = "2/s"\nmean_at = "none"'
