@@ -62,7 +62,7 @@ def record(tmp_path: Path) -> str:
     force = 0.6 + 0.4 * np.sin(20.0 * HERTZ * t) + 0.1 * np.cos(40.0 * HERTZ * t)
     force += 0.02 * np.random.default_rng(1).standard_normal(t.size)
     path = tmp_path / "record.csv"
-    path.write_text("time,force\n" + "\n".join(f"{a:.7f},{b:.7f}" for a, b in zip(t, force, strict=True)))
+    path.write_text("time (s),force (N)\n" + "\n".join(f"{a:.7f},{b:.7f}" for a, b in zip(t, force, strict=True)))
     return str(path)
 
 

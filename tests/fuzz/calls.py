@@ -549,7 +549,7 @@ def _of_wells() -> dict[str, Call]:
             {"path": survey_file(), "depth": 0, "inclination": "Inc (deg)", "azimuth": 2, "depth_unit": "m"}
             | {"angle_unit": "deg", "delimiter": ",", "sheet": None, "to": 1500.0},
         ),
-        "WellPath.projected": Call(fr.WellPath.from_csv(survey_file()).projected, {"to": 1500.0}),
+        "WellPath.projected": Call(fr.WellPath.from_csv(survey_file()).projected, {"to": 1400.0}),
         "WellPath.arc": Call(fr.WellPath.arc, arc),
         "WellPath.straight": Call(fr.WellPath.straight, {**arc, "inclination": 1.0}),
         "probability_of_reach": Call(
