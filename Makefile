@@ -91,7 +91,7 @@ look: docs  ## every page of it in a browser, wide, on a phone and in the dark, 
 	$(BIN)/python docs/look.py docs/_build/html docs/_build/look
 
 bench: $(READY)  ## ratios against what people use today
-	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks --page docs/reference/peers.md
 
 agreement: $(READY)  ## every method against every other
 	$(BIN)/python -m benchmarks.agreement

@@ -60,18 +60,31 @@ def page(tables: dict[str, list[Row]]) -> Iterator[str]:
     yield f"threads, {platform.system()}, Python {platform.python_version()}, {', '.join(_versions())}."
     yield "Ratios carry over to other machines, absolute times do not. *Peer takes* is the peer's figure over ours:"
     yield "below 1 the peer is better."
+    better = [f"{row.name} ({row.against}, {_ratio(row)})" for rows in tables.values() for row in rows if _loses(row)]
+    if better:
+        yield f"\nA peer takes less in: {'; '.join(better).replace('|', chr(92) + '|')}."
     for name, rows in tables.items():
         documentation = (importlib.import_module(f"benchmarks.{name}").__doc__ or "").strip().split("\n\n")[0]
         yield f"\n## {name}\n\n{documentation}\n"
         yield f"| {' | '.join(_COLUMNS)} |"
         yield f"|{' --- |' * len(_COLUMNS)}"
         for row in rows:
-            yield f"| {' | '.join(_cells(row))} |"
+            yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in _cells(row))} |"
+
+
+def _loses(row: Row) -> bool:
+    """Return whether the peer's figure is smaller."""
+    return row.ratio is not None and row.ratio < 1.0
+
+
+def _ratio(row: Row) -> str:
+    """Return the peer's figure over ours as text."""
+    return "" if row.ratio is None else f"{row.ratio:,.3g} x"
 
 
 def _cells(row: Row) -> tuple[str, ...]:
     """Return the texts of a row."""
-    ratio = "" if row.ratio is None else f"{row.ratio:,.3g} x"
+    ratio = _ratio(row)
     answer = {True: "yes", False: "NO", None: ""}[row.met]
     return row.name, f"{row.value:.3g}", row.unit, ratio, row.against, row.target, answer
 

@@ -7,6 +7,7 @@ boundary as good as 1e-4, which are a hundred times worse than those of the char
 
 from __future__ import annotations
 
+import math
 import time
 from functools import partial
 
@@ -18,6 +19,7 @@ from floquetrod.milling import stability_lobes
 
 MODE = fr.ToolMode("922Hz", 0.011, mass="39.93g")
 SLOT = fr.Milling(x=[MODE], teeth=2, tangential="600MPa", radial="200MPa")
+PITCH = 2.0 * math.pi / SLOT.teeth
 COLUMNS, ROWS = 400, 200
 SPEED, DEPTH = ("5000rpm", "10000rpm", COLUMNS), ("0mm", "4mm", ROWS)
 ACCURACY = 1e-4
@@ -69,9 +71,9 @@ def semi_discretised(speed: float, depth: float, steps: int) -> float:
     from scipy.linalg import expm
     from scipy.sparse.linalg import eigs
 
-    period = SLOT.pitch / speed
+    period = PITCH / speed
     h = period / steps
-    edges = np.linspace(0.0, SLOT.pitch, 8 * steps + 1)
+    edges = np.linspace(0.0, PITCH, 8 * steps + 1)
     cutting = SLOT.cutting(0.5 * (edges[1:] + edges[:-1]))[:, 0, 0].reshape(steps, 8).mean(axis=1)
     force = depth * cutting / MODE.mass
     matrix = np.zeros((steps, 4, 4))  # x, x', and a force that varies linearly
