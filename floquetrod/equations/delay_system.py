@@ -561,16 +561,19 @@ class DelaySystem(ByContent):
 def moved(system: DelaySystem) -> Iterator[DelaySystem]:
     """Yield the system with one entry of one coefficient larger by the coefficient error, for each entry.
 
-    Of more than `_ENTRY_BY_ENTRY` equations with all entries of a cyclic diagonal.  The sum of the changes of a
-    multiplier is the error of it that errors of the coefficients make, if they are constant and to first order.
+    The sum of the changes of a multiplier is its error by errors of the coefficients that are constant, to first order.
+    Of more than `_ENTRY_BY_ENTRY` equations the n entries of a cyclic diagonal are moved at once, by sqrt(n) times the
+    error: their changes may cancel, and sum_i |x_i| is at most sqrt(n) times the root of sum_i |x_i|^2.
     """
     n, size = system.order, system.coefficient_error
     rows, columns = np.divmod(np.arange(n * n), n)
-    groups = np.arange(n * n) if n <= _ENTRY_BY_ENTRY else (columns - rows) % n
+    groups = np.arange(n * n)
+    if n > _ENTRY_BY_ENTRY:
+        groups, size = (columns - rows) % n, math.sqrt(n) * size
+    exact = _shifted(system.present, np.zeros((n, n)))
     for group in np.unique(groups):
         shift = np.where(groups == group, size, 0.0).reshape(n, n)
         yield DelaySystem._made(_shifted(system.present, shift), system.delayed)
-        exact = _shifted(system.present, np.zeros((n, n)))
         for j, (delay, coefficient) in enumerate(system.delayed):
             other = DelayedTerm(delay, mapped(PeriodicSystem, coefficient, partial(np.add, shift)))
             yield DelaySystem._made(exact, (*system.delayed[:j], other, *system.delayed[j + 1 :]))

@@ -43,6 +43,27 @@ def test_drawn_systems(seed: int) -> None:
         assert np.abs(moved - exact).min() < stated
 
 
+def test_errors_of_five_equations_hold_for_the_worst_signs() -> None:
+    rng = np.random.default_rng(11)
+    n, size = int(rng.integers(5, 8)), 1e-6
+    mean, wave, past = (scale * rng.normal(size=(n, n)) for scale in (0.4, 0.3, 0.3))
+
+    def found(error: float, change: Any = 0.0) -> Any:
+        named: dict[str, Any] = {"period": 2.0, "delayed": [(1.7, past)], "coefficient_error": error}
+        return fr.stability(fr.DelaySystem.first_order(mean - np.eye(n) + change, [wave], **named), "collocation")
+
+    exact, stated = found(0.0).multipliers[0], found(size).multiplier_errors[0]
+    slopes = np.zeros((n, n), dtype=complex)
+    for place in np.ndindex(n, n):
+        change = np.zeros((n, n))
+        change[place] = size
+        off = np.array(found(0.0, change).multipliers) - exact
+        slopes[place] = off[np.abs(off).argmin()]
+    for phase in np.exp(1j * np.linspace(0.0, np.pi, 8, endpoint=False)):
+        worst = found(0.0, size * np.sign((slopes * phase).real))
+        assert np.abs(np.array(worst.multipliers) - exact).min() < stated
+
+
 def test_charts_count_them() -> None:
     """The boundary is at b = 1: nothing is decided within the errors of both terms, in charts as in single verdicts."""
     axes = {"b": np.array([0.9, 0.995]), "c": np.array([0.0, 1e-9])}
