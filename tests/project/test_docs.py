@@ -38,7 +38,7 @@ MISTAKES = [
     ("theory/real_rods.md", "-4 * slope * i * j", "4 * slope * i * j"),
     ("theory/surface_weights.md", "F - p_i * A_i", "F + p_i * A_i"),
     ("theory/surface_weights.md", "axial, radial, hoop = A - F / A_s", "axial, radial, hoop = A + F / A_s"),
-    ("theory/surface_weights.md", "+ P * (l - s)", "- P * (l - s)"),
+    ("theory/surface_weights.md", "+ P * (l - s)", "+ 2 * P * (l - s)"),
     ("how_to/well.md", "return 4.0 * mass * half", "return 2.0 * mass * half"),
     ("theory/floquet.md", "u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
     ("theory/hill.md", "chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
