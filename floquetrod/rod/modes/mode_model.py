@@ -19,6 +19,7 @@ from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.first_change import FirstChange, outward
+from floquetrod.parameter import require_known
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.search_pieces import ends_between
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
@@ -27,6 +28,7 @@ from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystem
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parameters import ROD
 
 # What a first verdict needs not.
 if TYPE_CHECKING:
@@ -96,6 +98,8 @@ class ModeModel(ABC):
 
     def require(self, name: str) -> None:
         """Raise ValueError unless each mode obeys an equation of Mathieu's, as an argument or method needs it."""
+        if name == "friction":
+            require_known(self.rod, ROD, "kicks")
         raise self.refusal(name)
 
     def on_sides(self, loads: Loads) -> Iterator[tuple[Ints, ModeConstants, Loads]]:
