@@ -44,6 +44,8 @@ class Waiting:
         self._start = time.monotonic()
         self._first: tuple[float, int] | None = None
         self._last: tuple[int, int] | None = None
+        self._called = 0.0
+        self._longest = (0.0, 0)
         self._width = 0
         self._left = threading.Event()
         self._thread = threading.Thread(target=self._speak, daemon=True)
@@ -62,11 +64,14 @@ class Waiting:
     def __call__(self, done: int, total: int) -> None:
         """Note that ``done`` of ``total`` is done.
 
-        The rate is counted from the first call: work before it may be of an earlier run, or have taken the time to
-        compile.
+        The rate is counted from the first call, without the longest pause between two calls, the present pause
+        included: work before the first call may be of an earlier run, and code is compiled in one of the pauses.
         """
-        self._first = self._first or (time.monotonic(), done)
-        self._last = done, total
+        now = time.monotonic()
+        if self._last is not None:
+            self._longest = max(self._longest, (now - self._called, done - self._last[0]))
+        self._first = self._first or (now, done)
+        self._last, self._called = (done, total), now
 
     @property
     def is_complete(self) -> bool:
@@ -75,11 +80,13 @@ class Waiting:
 
     @property
     def rate(self) -> float:
-        """Number done in a second; zero while it is not known, in the first second after the first call."""
+        """Number done in a second; zero while it is not known, in the first second counted."""
         if self._first is None or self._last is None:
             return 0.0
-        seconds = time.monotonic() - self._first[0]
-        return (self._last[0] - self._first[1]) / seconds if seconds >= 1.0 else 0.0
+        now = time.monotonic()
+        pause, meanwhile = max(self._longest, (now - self._called, 0))
+        seconds = now - self._first[0] - pause
+        return (self._last[0] - self._first[1] - meanwhile) / seconds if seconds >= 1.0 else 0.0
 
     @property
     def remaining(self) -> float | None:

@@ -14,6 +14,7 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import chart_files, describe_command, read_points, write_charts
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import POINTS, Parser
+from floquetrod.milling.stability_lobes import ACCURACY, depth_step
 from floquetrod.milling.tool_file import cutting_depth, read_tool, spindle_speed
 
 _HELP = """\
@@ -68,10 +69,17 @@ def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
     depth = mill.critical_depth(f"{speed!r}rad/s")
     known = math.isfinite(depth)
     said = f"chatters from a depth of {1e3 * depth:.6g} mm on" if known else "does not chatter at any depth tried"
-    text = f"{mill.in_words()}\n{repr(mill).strip('<>')}: at {30.0 * speed / math.pi:.6g} rpm it {said}"
-    return output(
-        options, lambda: text, lambda: {"speed_rad_per_s": speed, "critical_depth_m": depth if known else None}
-    )
+    step = depth_step(mill)
+    text = f"{mill.in_words()}\n{repr(mill).strip('<>')}: at {30.0 * speed / math.pi:.6g} rpm it {said}\n"
+    text += f"relative error below {ACCURACY:.0e}; " * known
+    text += f"depths are tried every {1e3 * step:.2g} mm: a narrower range of chatter may be missed"
+    record = {
+        "speed_rad_per_s": speed,
+        "critical_depth_m": depth if known else None,
+        "relative_error": ACCURACY if known else None,
+        "depth_step_m": step,
+    }
+    return output(options, lambda: text, lambda: record)
 
 
 def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:

@@ -233,9 +233,10 @@ def _kind(problem: Problem | TwoFrequencies) -> str:
 
 
 def _symbol(name: str) -> str:
-    r"""Return a parameter's symbol in mathematics: \omega_{1} of "omega_1"; "" for a name that is a word."""
-    match = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name)
+    r"""Return a parameter's symbol in mathematics: \omega_{1} of "omega_1", q_{x} of "q_x"; "" for a word."""
+    match = re.fullmatch(r"([A-Za-z]+?)(?:_?(\d+)|_([A-Za-z]))?", name)
     if match is None or not (len(match[1]) == 1 or _GREEK.fullmatch(match[1])):
         return ""
     letter = match[1] if len(match[1]) == 1 else rf"\{match[1]}"
-    return letter + (f"_{{{match[2]}}}" if match[2] else "")
+    index = match[2] or match[3]
+    return letter + (f"_{{{index}}}" if index else "")

@@ -350,11 +350,26 @@ def test_progress_tells_rate_and_time_left(clock: list[float]) -> None:
     assert progress._line() == "simulating: 0 s (Ctrl-C ends it)"
     for clock[0], done, told in (
         (1.0, 1000, "1 s, 1,000 of 9,000 steps"),  # done by an earlier run
-        (3.0, 5000, "3 s, 5,000 of 9,000 steps, 2,000 a second, 2 seconds left"),
+        (3.0, 5000, "3 s, 5,000 of 9,000 steps"),  # one pause may be for compiling
+        (4.0, 7000, "4 s, 7,000 of 9,000 steps, 2,000 a second, 1 seconds left"),
         (5.0, 9000, "5 s, 9,000 of 9,000 steps, 2,000 a second, 0 seconds left"),
     ):
         progress(done, 9000)
         assert progress._line() == f"simulating: {told} (Ctrl-C ends it)"
+
+
+def test_time_left_does_not_count_the_pause_in_which_code_is_compiled(clock: list[float]) -> None:
+    progress = waiting.Waiting("deciding stability", "points")
+    for clock[0], done in ((0.0, 120), (1.0, 240), (2.0, 360)):
+        progress(done, 1200)
+    for clock[0] in (10.0, 19.0):  # no call while code is compiled
+        assert progress._line().endswith(
+            f"{clock[0]:.0f} s, 360 of 1,200 points, 120 a second, 7 seconds left (Ctrl-C ends it)"
+        )
+    progress(480, 1200)
+    for clock[0], done in ((20.0, 600), (21.0, 720)):
+        progress(done, 1200)
+    assert progress._line().endswith("21 s, 720 of 1,200 points, 120 a second, 4 seconds left (Ctrl-C ends it)")
 
 
 @pytest.mark.parametrize(

@@ -348,7 +348,12 @@ def test_reports() -> None:
     report = str(fr.stability(atom(1.0, 0.5, 1.0)).report())
     assert "2 complex equations of first order, unitary" in report
     assert "quasienergies -0.375247278169, 0.375247278169" in report
-    assert fr.stability(lossy(0.01)).resonances == ()
+    verdict = fr.stability(lossy(0.01))
+    assert verdict.resonances == ()
+    first = verdict.exponents[0]
+    line = f"none, since the system has losses or gain; its exponents, per unit time: {first.real:.6g} "
+    assert line in " ".join(str(verdict.report()).split())
+    assert "energies" not in str(fr.stability(fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], period=1.0)).report())
     assert fr.stability(atom(1.0, 0.5, 1.0)).as_dict()["quasienergies"] == pytest.approx(
         [-0.375247278169, 0.375247278169]
     )

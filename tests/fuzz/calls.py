@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -293,6 +294,7 @@ def table() -> dict[str, Call]:
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
     (place / "study.toml").write_text(STUDY, encoding="utf-8")
     good = system_files()[0].read_text(encoding="utf-8")
+    shutil.copy(Path(__file__).parents[2] / "floquetrod/examples/family.toml", place)
     (place / "bad_system.toml").write_text(good.replace("0.16", "nan"), encoding="utf-8")
     calls = (
         _of_equations()

@@ -14,7 +14,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod.milling import read_depth, read_speed
+from floquetrod.milling import read_depth, read_speed, stability_lobes
 from floquetrod.milling.stability_lobes import critical_depths, judged
 from tests.conftest import DEEP, depth
 
@@ -303,3 +303,25 @@ def test_where_no_lobe_is_in_range_a_range_is_told_that_has_one() -> None:
     assert some.none_in_range == ""
     below = asked(("14500rpm", "18000rpm"), "3mm", "4mm")
     assert "no lobe in range: chatter begins below 3 mm; let the depths begin at 0 mm" in str(below.report())
+
+
+@pytest.mark.slow
+def test_critical_depths_are_as_accurate_as_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng, coarse = np.random.default_rng(5), stability_lobes._logs
+
+    def mode() -> fr.ToolMode:
+        return fr.ToolMode(f"{rng.uniform(300, 1500)}Hz", float(rng.uniform(0.005, 0.05)), f"{rng.uniform(20, 400)}g")
+
+    for teeth in (1, 2, 2, 3, 3, 4):
+        turn = 360.0 / teeth
+        pitch = (
+            {"pitch": [f"{turn - 10.0}deg", f"{turn + 10.0}deg", *[f"{turn}deg"] * (teeth - 2)]} if teeth > 1 else {}
+        )
+        cutting = {"tangential": "600MPa", "radial": "200MPa", "direction": str(rng.choice(["up", "down"]))}
+        immersion = float(rng.choice([1.0, 0.5]))
+        mill = fr.Milling(x=[mode()], y=[mode()], teeth=teeth, immersion=immersion, **cutting, **pitch)
+        speeds = read_speed("1rpm") * rng.uniform(4000.0, 20000.0, 3)
+        depths = critical_depths(mill, speeds)
+        with monkeypatch.context() as finer:
+            finer.setattr(stability_lobes, "_logs", lambda *at: coarse(*at, more=20))
+            assert critical_depths(mill, speeds) == pytest.approx(depths, rel=stability_lobes.ACCURACY)

@@ -190,6 +190,7 @@ def test_a_plot_is_labelled() -> None:
     [
         ("omega", r"$\omega$"),
         ("omega_1", r"$\omega_{1}$"),
+        ("q_x", "$q_{x}$"),
         pytest.param("k", "$k$", marks=pytest.mark.slow),
         pytest.param("k2", "$k_{2}$", marks=pytest.mark.slow),
         ("Omega", r"$\Omega$"),

@@ -165,9 +165,7 @@ class SystemStability(FloquetVerdict):
         for i, resonance in enumerate(self.resonances):
             nearest = "" if i or not resonance.modes else " (the nearest combination of frequencies)"
             lines.append(("" if i else "named", f"{resonance}, growth {resonance.growth_rate:.6g}{nearest}"))
-        if self.structure == "unitary" and 0 < len(self.exponents) <= _LISTED:
-            energies = ", ".join(f"{energy:.12g}" for energy in self.quasienergies)
-            lines.append(("energies", f"quasienergies {energies}, in angular frequency"))
+        lines += self._energy_lines()
         lines.append(("margin", self._margin))
         lines += self._damping_lines() if damping else []
         known = math.isfinite(self.error)
@@ -175,6 +173,19 @@ class SystemStability(FloquetVerdict):
         lines.append(("method", f"{self.method}, {self.cost}; {good}"))
         lines += [("note", self.note)] if self.note else []
         return Report(self._headline, lines, self._table())
+
+    def _energy_lines(self) -> list[tuple[str, str]]:
+        """Return a line on the quasienergies of a complex system; without any, on its exponents."""
+        known = [exponent for exponent in self.exponents if exponent == exponent]
+        if not 0 < len(known) <= _LISTED or self.system.MEANING:
+            return []
+        if self.structure == "unitary":
+            energies = ", ".join(f"{energy:.12g}" for energy in self.quasienergies)
+            return [("energies", f"quasienergies {energies}, in angular frequency")]
+        if not (isinstance(self.system, PeriodicSystem) and self.system.is_complex):
+            return []
+        exponents = ", ".join(f"{s.real:.6g} {'-' if s.imag < 0.0 else '+'} {abs(s.imag):.6g}i" for s in known)
+        return [("energies", f"none, since the system has losses or gain; its exponents, per unit time: {exponents}")]
 
     def _damping_lines(self) -> list[tuple[str, str]]:
         """Return a line on the uniform damping that stabilises the system; none where it needs none."""
