@@ -203,7 +203,8 @@ class Collocation(ByContent):
     def _of(self, point: Point, call: Callable[[Floats, Floats, Mapping[str, float]], Floats]) -> Floats:
         times, states = (point.period * self.shares).ravel(), point.stages.reshape(-1, point.nodes.shape[1])
         values = call(times, states, self._parameters(point.value))
-        return values.reshape(*self.shares.shape, *values.shape[1:])
+        # Read-only arrays, of functions that are constant, would let kernels be compiled once more.
+        return np.require(values.reshape(*self.shares.shape, *values.shape[1:]), requirements="W")
 
     def rates_at_mesh(self, point: Point) -> Floats:
         """Return f at the beginnings of the intervals (N, n)."""

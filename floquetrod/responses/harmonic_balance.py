@@ -113,7 +113,9 @@ def _filled(
 
     def chosen(array: Any) -> Any:
         wide = np.broadcast_to(array, (len(force), *array.shape[1:])) if len(array) != len(force) else array
-        return np.ascontiguousarray(wide if every else wide[members])
+        return np.require(
+            wide if every else wide[members], requirements=["C", "W"]
+        )  # or the kernel is compiled once more
 
     inputs = [chosen(array) for array in (*arrays[:-1], frequency, force, unknown)]
     work = count * rows * (width + 4) * 4

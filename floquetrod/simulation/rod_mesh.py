@@ -24,6 +24,7 @@ from floquetrod.simulation.rod_record import (
     FREE,
     GUIDED,
     LOST,
+    NO_TOOL,
     NODE,
     PARTS,
     Physics,
@@ -319,10 +320,10 @@ class DiscreteRod:
         )
         return dict(zip(_UNIFORM, map(float, numbers), strict=True))
 
-    def _tool(self, tool: VibrationTool | None) -> ToolForce | None:
+    def _tool(self, tool: VibrationTool | None) -> ToolForce:
         """Return a tool between the nodes."""
         if tool is None:
-            return None
+            return NO_TOOL
         place = (self.rod.length - tool.above_end) / self.segment_length
         node = min(int(place), self.segments - 1)
         amplitude, frequency, *phase = (0.0, 0.0) if tool.second is None else tool.second

@@ -87,15 +87,21 @@ class End(NamedTuple):
 
 
 class ToolForce(NamedTuple):
-    """A tool in the rod that pushes it down and pulls it up with two sines, the second perhaps of amplitude 0."""
+    """A tool in the rod that pushes it down and pulls it up with two sines, the second perhaps of amplitude 0.
+
+    Without a tool the node is -1: numba would compile the loop once more for None, for ten seconds and more.
+    """
 
     amplitude: float
     frequency: float
-    node: int  # the last one above it
+    node: int  # the last one above it; -1 without a tool
     beyond: float  # its distance from there, in segments
     second_amplitude: float
     second_frequency: float
     phase: float  # of the second, in rad
+
+
+NO_TOOL = ToolForce(0.0, 0.0, -1, 0.0, 0.0, 0.0, 0.0)
 
 
 class Well(NamedTuple):
@@ -144,6 +150,6 @@ class Physics(NamedTuple):
     upper: End
     lower: End
     steps_before: float = 0.0  # in which the load has acted before the clock of the record began
-    tool: Any = None  # a `ToolForce`, or None without
+    tool: ToolForce = NO_TOOL
     well: Any = None  # a `Well`, or None in a straight channel
     wall: Any = None  # a `WallCorners`, or None of a uniform rod in one bore

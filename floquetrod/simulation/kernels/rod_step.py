@@ -128,7 +128,7 @@ def _tool_force(tool: Any, time: float, segments: int) -> Any:
 
     The latter in the direction of a push.
     """
-    if tool is None:
+    if tool.node < 0:
         return 0.0, 0.0, 0.0
     force = tool.amplitude * math.sin(tool.frequency * time)
     force += tool.second_amplitude * math.sin(tool.second_frequency * time + tool.phase)
@@ -140,7 +140,7 @@ def _tool_force(tool: Any, time: float, segments: int) -> Any:
 @kernel
 def _tool_ways(rod: Any, well: Any, tool: Any) -> Any:
     """Return the tangents of the channel at the nodes above and below the tool."""
-    if tool is None:
+    if tool.node < 0:
         return (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
     return _beside(rod, well, FIRST + tool.node)[1], _beside(rod, well, FIRST + tool.node + 1)[1]
 
@@ -166,7 +166,7 @@ def _pushed_speed(v: Any, i: int, last: int) -> float:
 def _tool_speed(rod: Any, ways: Any, tool: Any, last: int) -> float:
     """Return the velocity with which the tool does work, along the tangents at the nodes above and below it."""
     total = 0.0
-    if tool is not None:
+    if tool.node >= 0:
         i, (above, below) = FIRST + tool.node, ways
         for v, k in ((rod["vx"], 0), (rod["vy"], 1), (rod["vz"], 2)):
             total += (1.0 - tool.beyond) * above[k] * _pushed_speed(v, i, last)
@@ -177,7 +177,7 @@ def _tool_speed(rod: Any, ways: Any, tool: Any, last: int) -> float:
 @kernel
 def _shake(rod: Any, force: float, ways: Any, tool: Any, last: int) -> None:
     """Add the force of the tool on inner nodes to the forces on segments."""
-    if tool is not None:
+    if tool.node >= 0:
         i, (above, below) = FIRST + tool.node, ways
         for f, k in ((rod["f1"], 0), (rod["f2"], 1), (rod["f3"], 2)):
             _push_node(f, i, (1.0 - tool.beyond) * force * above[k], last)
