@@ -118,7 +118,8 @@ def test_without_any_folder_it_runs_uncached_and_says_so_once(tmp_path: Path) ->
 
 
 @needs_jit
-@pytest.mark.parametrize("trouble", ["full", pytest.param("gone", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("trouble", ["full", "gone"])
 def test_a_disk_that_fails_meanwhile_costs_a_warning(trouble: str, tmp_path: Path) -> None:
     spoil = {
         "full": "import errno\n"

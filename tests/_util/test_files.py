@@ -72,7 +72,7 @@ def no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "Agg")
 
 
-@pytest.fixture(params=WRITERS)
+@pytest.fixture(params=[pytest.param(name, marks=[pytest.mark.slow] * (name == "animation")) for name in WRITERS])
 def writer(request: pytest.FixtureRequest) -> tuple[str, Callable[[Path], object]]:
     return WRITERS[request.param]
 
@@ -485,7 +485,14 @@ def test_a_pipe_is_refused_at_once(read: Callable[[Path], Any], kind: str, tmp_p
         read(pipe)
 
 
-@pytest.mark.parametrize("code", ["\x1b[31m", "\x1b]0;title\x07", "\r", "\x9b2J", "\u202e", "\x7f"])
+@pytest.mark.parametrize(
+    "code",
+    [
+        "\x1b[31m",
+        "\u202e",
+        *(pytest.param(code, marks=pytest.mark.slow) for code in ("\x1b]0;title\x07", "\r", "\x9b2J", "\x7f")),
+    ],
+)
 def test_names_of_files_are_printable_in_the_terminal(
     code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

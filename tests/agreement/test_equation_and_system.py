@@ -72,6 +72,7 @@ def test_proofs_are_those_of_the_system(equation: fr.Mathieu | fr.Hill) -> None:
     assert {fr.certify(equation).status, fr.certify(equation.as_system()).status} != {"stable", "unstable"}
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(12, 2), deadline=None)
 @given(st.floats(0.2, 1.0), st.floats(-0.4, -0.1), st.just(0.0) | st.floats(0.01, 0.1))
 def test_the_damping_that_stabilises_is_that_of_the_system(alpha: float, beta: float, damping: float) -> None:

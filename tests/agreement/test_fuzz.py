@@ -177,6 +177,7 @@ def test_terminal_can_fail(result: Any, monkeypatch: pytest.MonkeyPatch, rng: np
     assert any("exit status" in line for line in found)
 
 
+@pytest.mark.slow
 def test_files_can_fail(tmp_path: Path) -> None:
     kind = files.kinds()[0]
     path = tmp_path / "chart.npz"
@@ -230,6 +231,7 @@ def test_disks_under_ensembles_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert "the results of an ensemble are lost: OSError" in wrong[0]
 
 
+@pytest.mark.slow
 def test_damaged_stores_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     shutil.copytree(files.whole_store(), place)
@@ -252,6 +254,7 @@ def test_disks_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
     assert disks.run(tmp_path, lambda: None) == ["no warning that nothing was saved"]
 
 
+@pytest.mark.slow
 def test_verdicts_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
     equation = fr.Mathieu(0.5, -0.25)
     rate, x = verdicts.exact(equation)

@@ -142,6 +142,9 @@ READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier", "star
 WRITING = ["check", "map", "chart", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]
 """Commands that write files."""
 
+LONG = {"chart", "explore", "ensemble", "reach", "weights", "lobes"}
+"""Commands whose questions take longest: all write by one rule."""
+
 
 def asked(folder: Path) -> dict[str, list[str]]:
     """Return a small question for every command that writes files, with a measured force for the fit of one."""
@@ -192,7 +195,7 @@ def test_every_option_that_names_a_file_writes_each_it_is_given_or_takes_one(tmp
         assert bool(files) is (name in asked(tmp_path)) is (name in WRITING), name
 
 
-@pytest.mark.parametrize("name", WRITING)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in WRITING])
 def test_files_named_twice_are_all_written_and_told(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

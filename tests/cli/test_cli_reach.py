@@ -52,7 +52,7 @@ def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], caps
     path = fr.WellPath.from_csv(line[2])
     string = [*line[:4], "2.00x0.156 CT90", "--bore", "4.778in", "--friction", "0.9"]
     rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=1000.0)
-    for share, given in (("30%", 0.3), ("none", None), ("0.05", 0.05))[depth(0, 1) :]:
+    for share, given in (("30%", 0.3), ("none", None), ("0.05", 0.05))[depth(0, 2) :]:
         assert cli.main([*string, "--yield-share", share, "--json"]) == 0
         record, found = json.loads(capsys.readouterr().out), rod.reach(path, 0.9, yield_share=given)
         assert (record["reach_m"], record["limit"], record["yield_share"]) == (found.reach, found.limit, given)
@@ -66,6 +66,7 @@ def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], caps
         assert all(f"--{name}" in text for name in names)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(25) if DEEP else [10])
 def test_the_terminal_and_python_reach_the_same(seed: int, line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     """Drawn friction, tool, speed of sliding, push, force at the bit and share of yield, in the units of people."""

@@ -160,6 +160,7 @@ def test_json_says_what_the_library_does(capsys: pytest.CaptureFixture[str]) -> 
     assert fr.Rod(**found["rod"]) == rod
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("asked_once")
 def test_json_tells_the_margins_that_the_library_finds(capsys: pytest.CaptureFixture[str]) -> None:
     found = answer(capsys, "check", "--rod", WIRE, *PUSH)

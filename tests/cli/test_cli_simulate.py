@@ -62,6 +62,7 @@ def test_what_has_not_buckled_yet_says_when_it_will(capsys: pytest.CaptureFixtur
     assert early["buckles_at_about_s"] == pytest.approx(run.buckled_at, rel=0.05)
 
 
+@pytest.mark.slow
 def test_what_does_not_grow_has_not_buckled(capsys: pytest.CaptureFixture[str]) -> None:
     for arguments in (["--frequency", "190rad/s"], ["--mu", "0.1"]):
         assert cli.main([*SHORT, *arguments, "--kick", "7:0.1mm/s"]) == 0
@@ -131,6 +132,7 @@ def test_real_rods_and_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert "; no critical kick: friction needs independent modes" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_friction_by_interval(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "run.npz"
     assert cli.main([*SHORT, "--mu", "20%,0.3@1.5m", "--out", str(path)]) == 0
@@ -165,6 +167,7 @@ def test_a_measured_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert load.waveform == fr.ForceRecord.from_csv(file).load.waveform
 
 
+@pytest.mark.slow
 def test_a_rod_off_the_wall_has_no_mode(capsys: pytest.CaptureFixture[str]) -> None:
     thrown = ["--kick", "3:3m/s", "--duration", "0.5s"]
     assert cli.main([*SHORT, *thrown]) == 0
@@ -237,6 +240,7 @@ def test_writes_every_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert paths[2].read_bytes().startswith(b"GIF8")
 
 
+@pytest.mark.slow
 def test_enough_frames_for_the_growth_rate(capsys: pytest.CaptureFixture[str]) -> None:
     fast = answer(capsys, "--mean", "0.3Fcr", "--amplitude", "0.1Fcr", "--frequency", "1400", "--kick", "7:0.1mm/s")
     assert fast["frames"] == 447  # 44.6 periods, ten frames each

@@ -100,6 +100,7 @@ def run(line: str) -> tuple[int, str, str]:
     return done.returncode, done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_a_closed_stderr_costs_nothing() -> None:
     status, out, err = run(f"{CHECK} 2>&-")
     assert (status, err) == (0, "")

@@ -384,6 +384,7 @@ def test_probabilities_print_as_a_table() -> None:
     assert str(Runs({}, {}, {})) == repr(Runs({}, {}, {}))
 
 
+@pytest.mark.slow
 def test_probability_is_that_of_binomial_tests() -> None:
     over = {"kick": [0.01, 0.06, 0.1], "seed": range(12), "length": [PROBLEM.rod.length, -1.0]}
     found = fr.ensemble(PROBLEM, over).isel(length=0)

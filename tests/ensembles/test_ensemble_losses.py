@@ -83,6 +83,7 @@ def test_frames_that_cannot_be_written_are_pending_in_the_store(
     assert count.calls == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "frames"),
     [

@@ -63,6 +63,7 @@ def test_its_ends_are_quantiles_of_weighted_sums(rng: np.random.Generator) -> No
         assert np.mean(weights @ np.append(shares, 0.0) < low) == pytest.approx(0.05, abs=0.003)
 
 
+@pytest.mark.slow
 def test_of_thousands_of_shares_some_are_averaged_first(rng: np.random.Generator) -> None:
     shares = rng.binomial(4, 0.3, 2500) / 4.0
     low, high = mean_of_shares(shares, shares, 0.95)
@@ -103,6 +104,7 @@ def test_the_interval_covers_what_is_true(kind: str, draws: int) -> None:
             assert widths / count < 0.8 * np.subtract(*clopper_pearson(17, 20, 0.95)[::-1])
 
 
+@pytest.mark.slow
 def test_runs_that_share_seeds_would_not_be_covered() -> None:
     """Of samples that all have the same ten seeds, pooled as if independent, two intervals in three miss."""
     rng, p, missed = np.random.default_rng(1), 0.83, 0

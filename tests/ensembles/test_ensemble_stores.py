@@ -214,6 +214,7 @@ def unlocked(*arguments: Any, **options: Any) -> None:
     raise OSError(37, "No locks available")
 
 
+@pytest.mark.slow
 def test_without_locks_a_finished_file_is_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place, whole = tmp_path / "runs.npz", undisturbed()
     monkeypatch.setattr(stores_disk, "lock_beside", unlocked)
@@ -301,6 +302,7 @@ def test_a_store_that_another_process_fills_is_refused(tmp_path: Path) -> None:
     assert (fr.ensemble(PROBLEM, OVER, store=place, part=(2, 2)).status == 1).all()
 
 
+@pytest.mark.slow
 def test_parts_of_other_sizes_share_a_store(tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     fr.ensemble(PROBLEM, OVER, store=place, part=(1, 3))
@@ -356,6 +358,7 @@ def test_damaged_chunks_are_computed_again(name: str, damage: str, tmp_path: Pat
     assert_same(found, whole)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["positions", *(pytest.param(name, marks=pytest.mark.slow) for name in ("status", "largest_angle", "buckled"))],

@@ -26,7 +26,7 @@ def drawn(rng: np.random.Generator, size: float) -> tuple[Any, Any, Any]:
     return mean, cosine, sine
 
 
-@pytest.mark.parametrize("delay", [1.7, 6.0 * TURN, pytest.param(2.0 * TURN, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("delay", [1.7, *(pytest.param(turns * TURN, marks=pytest.mark.slow) for turns in (2.0, 6.0))])
 def test_functions_and_tables_have_the_multipliers_of_the_series(delay: float) -> None:
     rng = np.random.default_rng(int(delay))
     present, back = drawn(rng, 0.2), drawn(rng, 0.15)

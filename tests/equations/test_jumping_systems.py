@@ -284,7 +284,7 @@ def test_what_is_rounded_on_the_way_to_a_system_is_stated() -> None:
 # --- solutions --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
 def test_solve_follows_from_jump_to_jump(name: str) -> None:
     system = MADE[name]
     second = isinstance(system, fr.HillSystem)
@@ -465,6 +465,7 @@ def bent(t: float) -> list[list[float]]:
     return [[1.5 - 0.1 * t**3, 0.1 * t], [0.1 * t, 3.0 + math.sin(5.0 * t)]]
 
 
+@pytest.mark.slow
 def test_a_function_with_jumps_through_every_method(rng: np.random.Generator) -> None:
     system = fr.HillSystem.from_function(bent, 2.0, jumps=[0.7, 0.0], mass=MASS)
     assert system.structure == "hamiltonian"

@@ -232,6 +232,7 @@ def test_every_method_serves_it_and_they_agree(kind: type, alpha: float, beta: f
     assert monodromy.status == reference.status == fr.stability(equation).status
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("equation", [Trapezoid(3.0, -1.5), Bumps(2.0, -0.4, 0.05)])
 def test_its_discriminant_is_that_of_another_solver(equation: Equation) -> None:
     for method in ("monodromy", "reference"):

@@ -145,6 +145,7 @@ def test_units_are_any_mapping() -> None:
             fr.Explorer(ROD, None, wrong)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_canvas_that_keeps_no_copies_will_do(explorer: fr.Explorer) -> None:
     from matplotlib.backend_bases import FigureCanvasBase
 
@@ -154,6 +155,7 @@ def test_a_canvas_that_keeps_no_copies_will_do(explorer: fr.Explorer) -> None:
     assert explorer.load.mean == pytest.approx(0.34 * UNIT)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:omega L")
 @pytest.mark.parametrize("rod", [TUBE, *(pytest.param(rod, marks=pytest.mark.slow) for rod in (STEEL, SHORT))])
 def test_axes_follow_the_rod(rod: fr.Rod) -> None:
@@ -198,6 +200,7 @@ def test_the_default_load_is_in_the_middle_of_things() -> None:
     assert abs(system.beta[0]) < 1e-9 * SHORT.natural_frequency(1) ** 2
 
 
+@pytest.mark.slow
 def test_sliders_reach_the_load_given_and_stand_at_round_numbers() -> None:
     load = fr.AxialLoad(-3.0, 9.0, 2.0)
     shown = fr.Explorer(ROD, load)

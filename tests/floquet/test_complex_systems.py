@@ -383,6 +383,7 @@ def test_what_is_refused(call: Any, message: str) -> None:
         call()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("detuning", [1e-3, 1e-8, 1e-11, 1e-13, 0.0])
 def test_nearly_equal_quasienergies_leave_orthogonal_solutions(detuning: float) -> None:
     """Two equal spins in one field: an eigensolver of general matrices returns modes that are not orthogonal."""

@@ -124,7 +124,7 @@ def test_what_leaves_the_range_of_doubles_has_infinite_errors() -> None:
         assert not fr.systems.is_stable(pick(system, 0))
 
 
-@pytest.mark.parametrize("n", [1, 2])
+@pytest.mark.parametrize("n", [2, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "form",
     [

@@ -34,7 +34,7 @@ def test_the_critical_depth_of_a_slot_is_proved_to_four_digits(depth_of_cut: str
     assert fr.certify(SLOT.system("5000rpm", depth_of_cut)).status == status
 
 
-@pytest.mark.parametrize("omega", [0.3, 1.0, 2.0, 2.9])
+@pytest.mark.parametrize("omega", [0.3, 2.9, *(pytest.param(omega, marks=pytest.mark.slow) for omega in (1.0, 2.0))])
 def test_proofs_near_hayes_boundary(omega: float) -> None:
     """At a = w cot w, b = -w / sin w a root i w crosses."""
     a, b = omega / math.tan(omega), -omega / math.sin(omega)
@@ -163,7 +163,9 @@ def test_proofs_never_contradict_verdicts_and_count_what_they_find() -> None:
     assert min(found["stable"], found["unstable"]) > 4 * found["undecided"], found
 
 
-@pytest.mark.parametrize("numbers", TABLE)
+@pytest.mark.parametrize(
+    "numbers", [pytest.param(numbers, marks=[pytest.mark.slow] * (k > 0)) for k, numbers in enumerate(TABLE)]
+)
 def test_long_delays_of_the_table_are_counted(numbers: tuple[float, float, float, float]) -> None:
     p, q, c, b = numbers
     for periods, (outside, _) in TABLE[numbers].items():

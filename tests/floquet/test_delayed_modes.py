@@ -59,7 +59,8 @@ SYSTEMS = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("e periods", "constant"))) for name in SYSTEMS]
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in ("e periods", "constant", "jumps"))) for name in SYSTEMS],
 )
 def test_modes_are_solutions_of_their_own_histories(name: str) -> None:
     system = SYSTEMS[name]
@@ -137,6 +138,7 @@ def check_drawn(count: int, seed: int) -> int:
     return solved
 
 
+@pytest.mark.slow
 def test_drawn_systems() -> None:
     assert check_drawn(8, 3) > 6
 

@@ -148,6 +148,7 @@ def check_against_second_method(count: int, seed: int) -> tuple[int, int]:
     return stable, undecided
 
 
+@pytest.mark.slow
 def test_methods_agree_on_some_systems() -> None:
     stable, undecided = check_against_second_method(4, 3)
     assert 0 < stable < 4
@@ -312,6 +313,7 @@ def holds_for_all(proof: fr.results.Proof) -> bool:
     return proof.status == "stable" and "whatever the delays" in proof.statement
 
 
+@pytest.mark.slow
 def test_proofs_of_stability_for_all_delays_are_sharp() -> None:
     """Of q'' + 2 z q' + q + d q(t - tau) = 0 for d up to 2 z sqrt(1 - z^2), of x' = -x + b x(t - tau) up to 1."""
     bound = 0.2 * math.sqrt(0.99)

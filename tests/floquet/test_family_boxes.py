@@ -131,6 +131,7 @@ def between_kinds_of_first_order(x: float) -> fr.PeriodicSystem:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", [between_kinds, between_kinds_of_first_order])
 def test_pairs_at_the_corners_are_no_pairs_between_them(family: Callable[..., Any]) -> None:
     assert [family(x).structure for x in (0.0, 0.5, 1.0)] == ["reversible", "general", "hamiltonian"]

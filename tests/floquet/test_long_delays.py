@@ -203,6 +203,7 @@ def _periods(system: fr.DelaySystem) -> float:
     return system.longest_delay / system.period
 
 
+@pytest.mark.slow
 def test_drawn_systems_have_the_multipliers_of_collocation() -> None:
     stable, undecided = check_against_collocation(10, 11)
     assert 2 < stable < 9
@@ -251,6 +252,7 @@ def test_parts_of_a_period_may_be_of_different_sizes() -> None:
     assert one.status == other.status
 
 
+@pytest.mark.slow
 def test_three_equations_with_three_long_delays() -> None:
     rng = np.random.default_rng(3)
 

@@ -198,6 +198,7 @@ def exact_exponent(squared: float, s: float, c: float) -> float:
     return 0.5 * d ** (1.0 / 3.0) * moment(0.5) / moment(-0.5) - c
 
 
+@pytest.mark.slow
 def test_the_almost_sure_exponent_of_a_line_is_known() -> None:
     line = fr.PeriodicSystem([[-0.1]], period=1.0)
     told: list[tuple[int, int]] = []

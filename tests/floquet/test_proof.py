@@ -406,6 +406,7 @@ def test_exact_hill_and_square_wave() -> None:
     assert certify(Meissner, alpha="0.5", beta="-0.5") == certify(Meissner(0.5, -0.5))
 
 
+@pytest.mark.slow
 @given(mathieus(20.0, (-20.0, 5.0), 0.3) | square_waves(10.0, 0.3) | hills(2, 5.0, 0.3))
 @settings(max_examples=depth(15, 3))
 def test_values_and_classes_are_proved_alike(equation: Equation) -> None:

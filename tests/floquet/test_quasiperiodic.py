@@ -175,6 +175,7 @@ def long_rate(mean: Any, first: Any, cosine: Any, sine: Any, periods: int) -> fl
     return float(weights @ logs / weights.sum() / (2.0 * math.pi))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [0.0, 0.4])
 def test_complex_second_terms_grow_as_a_long_integration_and_as_the_real_form(gain: float) -> None:
     mean = -0.5j * SZ - LOSSES + gain * SX
@@ -230,6 +231,7 @@ def test_commensurate_frequencies_are_one_equation_with_harmonics(p: int, q: int
     assert growth.status == fr.stability(one).status
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "q", "edge", "first", "second"),
     [

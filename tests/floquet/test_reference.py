@@ -126,6 +126,7 @@ def runge_kutta_excess(equation: Hill | Mathieu, steps: int) -> tuple[Any, Any]:
         return excess_of(best), abs(second - first)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "equation",
     [
@@ -149,6 +150,7 @@ def assert_consistent(few: DiscriminantExcess, many: DiscriminantExcess, digits:
     assert few.error <= mp.mpf(10) ** -digits * max(1, abs(few.excess))
 
 
+@pytest.mark.slow
 @given(mathieus(largest_damping=0.5) | hills(largest_damping=0.5))
 @settings(max_examples=depth(25, 3))
 @example(Mathieu(400.0, -400.0))

@@ -120,6 +120,7 @@ def sampled(rng: np.random.Generator, rod: fr.Rod, box: dict[str, Any], loads: i
         yield rod.replace(**numbers), (ends[:, 0] + (ends[:, 1] - ends[:, 0]) * shares).T
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them(rng: np.random.Generator) -> None:
     statuses = []
@@ -144,6 +145,7 @@ def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them(rng: np.
     assert statuses.count("undecided") <= 0.2 * many
 
 
+@pytest.mark.slow
 def test_loads_next_to_a_boundary_agree_with_many_digits() -> None:
     """The last box proved stable along the mean force, and the first proved unstable, a little apart."""
     tolerance = 0.05
@@ -162,6 +164,7 @@ def test_loads_next_to_a_boundary_agree_with_many_digits() -> None:
         assert (max(rates) > tolerance) == grows
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 def test_most_boxes_with_a_margin_are_proved(rng: np.random.Generator) -> None:
     """Boxes whose enlargement by a hundredth of the values is stable on a dense sample."""

@@ -73,6 +73,7 @@ def test_operations_enclose_the_exact_result(name: str) -> None:
     assert misses(name) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OPERATIONS)
 def test_without_the_outward_step_they_would_not(name: str, tuned: Tuned) -> None:
     tuned(unit_of_rounding=0.0, smallest_step_outwards=0.0)

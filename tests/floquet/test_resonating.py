@@ -154,6 +154,7 @@ def found_fewer(system: fr.HillSystem) -> None:
     assert abs(whole.exponents[0].real - found.exponents[0].real) < 5e-6 + error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seeds", [range(16), pytest.param(range(16, 400), marks=pytest.mark.slow)], ids=["some", "many"]
 )

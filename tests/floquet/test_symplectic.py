@@ -122,6 +122,7 @@ def pairs_that_meet(signs: tuple[int, int], seed: int) -> Any:
     return turned(oscillators([2.0, 2.0, 5.0, 7.0], [*signs, 1, -1]), seed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("signs", "expected"), [((1, 1), 1), ((-1, -1), -1), ((1, -1), 0), ((-1, 1), 0)])
 def test_signs_of_pairs_that_meet(signs: tuple[int, int], expected: int) -> None:
     for seed in range(4):
@@ -157,6 +158,7 @@ def test_the_error_covers_the_true_numbers() -> None:
             assert near.any(axis=0).sum() == 2 * len(cluster)
 
 
+@pytest.mark.slow
 def test_the_error_of_a_precise_subspace_covers_how_far_it_turns(rng: np.random.Generator) -> None:
     context = mpmath.MPContext()
     context.prec = 200

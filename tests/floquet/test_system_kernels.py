@@ -128,6 +128,7 @@ def test_two_equations_at_once_agree_with_the_monodromy_matrix(rng: np.random.Ge
         assert np.all(abs(expected[order] - x[0]) <= errors[0] + slack)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_many_pairs_side_by_side_are_within_their_errors(rng: np.random.Generator, count: int) -> None:
     systems = [random_system(rng, 2, count, 0.2, size, True) for size in (0.3, 1.0, 3.0, 10.0) * depth(5, 1)]

@@ -69,6 +69,7 @@ def growth_of(matrix: Any, period: Any) -> float:
     return float(np.log(np.abs(np.linalg.eigvals(matrix)).max()) / period)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("damping", "amplitude", "axial_damping"),
     [
@@ -118,6 +119,7 @@ def test_strings_that_no_wave_reaches_are_strongly_stable() -> None:
     assert set(np.abs(fr.stability(system).krein_signs)) == {1}
 
 
+@pytest.mark.slow
 def test_a_map_by_products_of_numpy_is_symplectic_and_within_its_error() -> None:
     system = string(120, axial_damping=0.5, length=260.0)
     (cosine,), (sine,) = system.cosines, system.sines

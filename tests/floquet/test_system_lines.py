@@ -174,6 +174,7 @@ def test_what_a_line_leaves_open_is_judged_load_by_load(monkeypatch: pytest.Monk
     assert found.growth == pytest.approx(expected.growth, rel=1e-8, abs=1e-9 * SWING)
 
 
+@pytest.mark.slow
 def test_a_map_is_that_of_its_loads_one_by_one() -> None:
     rod = PLAIN.replace(ends="clamped", damping_rate=0.02 * SWING)
     found = fr.stability_map(

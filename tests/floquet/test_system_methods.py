@@ -252,6 +252,7 @@ def test_exponents_sum_to_the_trace(method: str, system: System) -> None:
     assert total == pytest.approx(float(np.trace(first.mean)), abs=sum(result.exponent_errors) + 1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @settings(max_examples=depth(10, 3))
 @given(system=systems(("hamiltonian", "reversible", "gyroscopic")))
@@ -344,6 +345,7 @@ def test_errors_of_exponents_hold_their_rounding_to_doubles() -> None:
                 assert min(abs(log / 2 - exponent) for log in logs) <= error <= 1e-14
 
 
+@pytest.mark.slow
 def test_reference_compares_growth_with_uniform_damping() -> None:
     c = reference(coupled(3.0)).growth_rate
     for _ in range(8):  # to the damping that growth balances
@@ -470,6 +472,7 @@ def test_too_much_work_is_declined(method: str) -> None:
     assert not result.exponents
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("harmonic", [1, 2, 3])
 def test_a_single_sine_is_reversible_about_a_quarter_of_its_period(harmonic: int) -> None:
     sines = [np.zeros((2, 2))] * (harmonic - 1) + [np.array([[0.3, 0.5], [0.1, 0.2]])]
@@ -489,6 +492,7 @@ def test_a_single_sine_is_reversible_about_a_quarter_of_its_period(harmonic: int
         assert np.poly(np.array(result.multipliers)) == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_gyroscopic_systems_of_a_tiny_period_are_not_called_unstable() -> None:
     # The numbers y are 1e-60 beside a coupling of 1e-33 between the halves of the map: reference once said "unstable".
     stiffness, wave = [[1.0, 0.3], [0.3, 2.0]], [[0.1, 0.2], [0.2, 0.16]]

@@ -322,6 +322,7 @@ def test_no_proof_contradicts_an_integration(seed: int, n: int) -> None:
         assert status == "unstable"
 
 
+@pytest.mark.slow
 def test_nearly_every_hamiltonian_system_is_decided_with_doubles() -> None:
     many = depth(200, 40)
     statuses = [certify_system(hamiltonian(seed, 1 + seed % 4), 15).status for seed in range(many)]
@@ -450,6 +451,7 @@ def scales(problem: Any, arithmetic: Any) -> Any:
     return np.array([1.0, ratio[0, 1], ratio[0, 1] * ratio[1, 2]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(6, 2)))
 def test_maps_with_few_and_with_many_digits_overlap(seed: int) -> None:
     problem = system_problem(hamiltonian(seed, 2))
@@ -546,6 +548,7 @@ def test_only_real_balls_without_zero_have_reciprocals(digits: int) -> None:
             wrong.inverse()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", [Doubles(), Integers(25)], ids=["doubles", "25 digits"])
 @pytest.mark.parametrize("seed", range(depth(8, 2)))
 def test_counts_are_those_of_a_larger_dense_matrix(arithmetic: Any, seed: int) -> None:

@@ -77,6 +77,7 @@ def test_constant_coefficients_in_closed_form(size: float, sign: float, periods:
     assert 10.0**got == pytest.approx(abs(expected), rel=1e-10, abs=1e-10 / root)
 
 
+@pytest.mark.slow
 def test_both_ways_agree_on_the_whole_chart() -> None:
     exact, leapfrog = (fr.FiniteTimeCriterion(by=by) for by in ("exact", "leapfrog"))
     assert np.array_equal(exact.is_stable(ALPHA, BETA), leapfrog.is_stable(ALPHA, BETA))

@@ -131,6 +131,7 @@ def test_points_that_were_hard(alpha: float, beta: float, damping: float, escape
     assert fr.friction.fates(alpha, beta, 1.0, proved, damping=damping) == BOUNDED
 
 
+@pytest.mark.slow
 def test_few_steps_and_a_limit_still_find_a_kick() -> None:
     proved, found = fr.friction.critical_kick(1.0, 1e-300, damping=0.01, largest=10.0, samples=8, max_steps=1000)
     whole = fr.friction.critical_kick(1.0, 0.0, damping=0.01)
@@ -156,6 +157,7 @@ def test_the_proved_bound_is_where_the_first_stop_may_be_left_outwards() -> None
     assert followed > 30
 
 
+@pytest.mark.slow
 def test_leapfrog_finds_no_escape_up_to_the_proved_bound() -> None:
     alpha, beta, _ = unstable_points(np.random.default_rng(9), 10)
     proved, found = fr.friction.critical_kick(alpha, beta)

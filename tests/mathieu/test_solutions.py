@@ -97,6 +97,7 @@ HIDDEN = [  # one of value and slope at pi / 2, or at 0 where q < 0, is lost in 
 ]
 
 
+@pytest.mark.slow
 def test_the_sign_of_me_is_that_of_sixty_digits(rng: np.random.Generator) -> None:
     many = depth(15, 5)
     drawn = zip(rng.uniform(-12.0, 12.0, many).tolist(), rng.uniform(-400.0, 400.0, many).tolist(), strict=True)

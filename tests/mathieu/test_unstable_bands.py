@@ -87,6 +87,7 @@ def test_nothing_grows_faster_than_said(
             assert len(searched(rod, varied, load, rate * (1.0 - 1e-6), band[:2]).unstable) > 0
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(25, 3), deadline=None)
 @QUESTIONS
 def test_more_damping_than_required_stabilises_the_band(

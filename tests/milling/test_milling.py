@@ -210,6 +210,7 @@ def drawn_lobes(seed: int) -> Any:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(60, 1)))
 def test_names_in_a_chart_of_lobes_are_led_to_the_least_depths_of_the_widest(seed: int) -> None:
     lobes = drawn_lobes(seed)
@@ -237,6 +238,7 @@ def test_names_in_a_chart_of_lobes_are_led_to_the_least_depths_of_the_widest(see
     pyplot.close(ax.figure)
 
 
+@pytest.mark.slow
 def test_no_name_in_the_chart_of_the_slot_covers_a_lobe() -> None:
     lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 40)), ("0mm", "4mm", depth(60, 20)))
     ax = lobes.plot()

@@ -160,6 +160,7 @@ def test_a_tooth_far_behind_cuts_nothing_and_the_other_cuts_two_pitches() -> Non
     assert {arc.tooth for arc in both.arcs} == {0, 1}
 
 
+@pytest.mark.slow
 def test_little_runout_and_little_helix_change_little() -> None:
     plain = milling(immersion=0.3, direction="down")
     for uneven in (
@@ -216,6 +217,7 @@ def test_lobes_of_uneven_teeth_agree_with_single_verdicts() -> None:
             assert (verdict.status == "stable") == bool(lobes.chart.stable[i, j])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("helical", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_bands_of_uneven_teeth_lie_on_the_boundary(helical: bool) -> None:
     bent = {"helix": "30deg", "diameter": "12mm"} if helical else {}

@@ -131,7 +131,9 @@ def followed(known: Known, longest: float = 0.3) -> fr.results.BifurcationCurve:
     return fr.follow(located(branch, known.kind), known.over, longest=longest)
 
 
-@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("ring", "cycle in a plane"))) for name in KNOWN]
+)
 def test_a_curve_in_closed_form(name: str) -> None:
     known, curve = KNOWN[name], curve_of(name)
     assert curve.kind == known.kind
@@ -289,9 +291,7 @@ def points_by_both_ways(family: Drawn, share: float, longest: float) -> tuple[fl
     return by_curve, by_branch.value, errors
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "roessler")) for name in DRAWN]
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "duffing")) for name in DRAWN])
 def test_a_point_of_a_curve_is_the_one_that_a_branch_has(name: str) -> None:
     by_curve, by_branch, errors = points_by_both_ways(DRAWN[name], 0.37, 0.3)
     assert abs(by_curve - by_branch) <= errors + 1e-12

@@ -168,6 +168,7 @@ def test_multipliers_that_cross_together_are_located(family: Callable[[np.random
         check(family(rng, count), 0.2)
 
 
+@pytest.mark.slow
 def test_a_branch_point_next_to_which_no_multiplier_is_resolved_is_located() -> None:
     rng = np.random.default_rng(17)
     check(identical_oscillators(rng, int(rng.integers(2, 5))), 0.3)
@@ -252,6 +253,7 @@ def test_the_error_of_a_branch_point_holds(longest: float) -> None:
     assert abs(point.value - 2.0) <= point.error < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(40, 1)))
 def test_the_error_of_drawn_branch_points_holds(seed: int) -> None:
     rng = np.random.default_rng([seed, 481])
@@ -265,6 +267,7 @@ def test_the_error_of_drawn_branch_points_holds(seed: int) -> None:
     assert abs(point.value - known) <= point.error < 1e-6
 
 
+@pytest.mark.slow
 def test_the_branch_that_crosses_in_an_invariant_plane() -> None:
     known = invariant_plane(np.random.default_rng(3), 1)
     branch = check(known, 0.3)

@@ -30,6 +30,7 @@ def fold(eps: float) -> Any:
     return point
 
 
+@pytest.mark.slow
 def test_curve_ends_where_the_multiplier_of_its_fold_is_not_1() -> None:
     curve = fr.follow(fold(0.08), {"I": (0.3, 1.0), "eps": (0.02, 0.3)}, steps=20)
     assert np.abs(curve.critical - 1.0).max() < 2e-3
@@ -37,6 +38,7 @@ def test_curve_ends_where_the_multiplier_of_its_fold_is_not_1() -> None:
     assert all("the multiplier of the fold is" in end and ", not 1: rounding" in end for end in curve.ends)
 
 
+@pytest.mark.slow
 def test_errors_along_a_curve_of_folds_agree_with_folds_of_branches() -> None:
     curve = fr.follow(fold(0.15), {"I": (0.3, 1.0), "eps": (0.13, 0.16)}, longest=0.1)
     assert curve.errors.max() < 1e-10

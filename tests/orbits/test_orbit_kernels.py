@@ -98,6 +98,7 @@ def test_a_family_of_orbits_takes_the_shortest_step() -> None:
     assert np.allclose(nodes[0, :, 0], [0.0, -1.0])
 
 
+@pytest.mark.slow
 @needs_jit
 def test_a_branch_is_the_same_by_kernels_and_by_lapack(tuned: Tuned) -> None:
     orbit = fr.periodic_orbit(fr.NonlinearSystem(van_der_pol, parameters={"mu": 1.0}), [2.0, 0.0])

@@ -306,6 +306,7 @@ def test_extremes_are_those_between_the_nodes(mu: float) -> None:
     assert orbit.plot().lines[1].get_ydata().max() == pytest.approx(known[1], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("period", [None, pytest.param(1615.0, marks=pytest.mark.slow)])
 def test_a_relaxation_oscillation_of_a_thousand(period: float | None) -> None:
     """The period by its asymptotic series, (3 - 2 log 2) mu + 7.01432 mu^(-1/3) + O(log mu / mu) (Dorodnitsyn)."""

@@ -66,6 +66,7 @@ def agree(bands: Bands, judge: Callable[[Floats, Floats], Any], seed: int = 0, n
         assert distances(np.column_stack([x, y])[wrong], bands, size).max() < near
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "points", [(25, 20), *(pytest.param(points, marks=pytest.mark.slow) for points in ((60, 50), (80, 40), (200, 200)))]
 )
@@ -110,6 +111,7 @@ class Traced(MathieuPlane):
         return
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("damping", "tolerance"), [(0.05, 0.0), (0.02, 0.01)])
 def test_exact_and_traced_bands_of_one_family_agree(damping: float, tolerance: float) -> None:
     charts = [
@@ -273,6 +275,7 @@ def _cliff(x: Floats, y: Floats) -> Floats:
     return np.where(y > 0.3 + 0.4 * x, 3.0, np.where(y > 0.1 + 0.4 * x, -1e-3, -np.inf))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [_lobes, _ring, _cliff])
 def test_bands_by_signed_growth_are_those_by_verdicts(rate: Callable[[Floats, Floats], Floats]) -> None:
     families = [Decaying(rate, signed) for signed in (True, False)]

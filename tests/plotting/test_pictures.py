@@ -64,6 +64,7 @@ def test_a_run_is_titled_in_a_line_and_its_start_told_below() -> None:
         assert len(legend.get_texts()) == len(ax.get_lines())
 
 
+@pytest.mark.slow
 def test_a_run_off_the_wall_says_so_in_its_picture() -> None:
     thrown = fr.simulate(ROD, LOAD, duration=0.5, perturbation=fr.Perturbation.modes({3: 3.0}))
     assert thrown.note

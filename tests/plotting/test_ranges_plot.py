@@ -10,11 +10,12 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod import cli
+from tests.conftest import depth
 
 ROD = fr.Rod.nitinol()
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(depth(3, 1)))
 def test_bars_and_named_ranges_are_those_of_the_answer(seed: int) -> None:
     """Drawn loads and bounds: a bar for each unstable band, and the safe ranges of the first line of the answer."""
     rng = np.random.default_rng([50, 9, seed])
@@ -40,6 +41,7 @@ def test_bars_and_named_ranges_are_those_of_the_answer(seed: int) -> None:
     pyplot.close("all")
 
 
+@pytest.mark.slow
 def test_the_terminal_writes_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "ranges.svg"
     load = ["--mean", "0.3Fcr", "--amplitude", "0.2Fcr", "--frequency", "20Hz:30Hz"]

@@ -25,6 +25,7 @@ def test_without_examples():
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("workers", "left_out", "status"),
     [

@@ -111,6 +111,8 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 
 LONG = {
     "index.md",
+    "how_to/my_equation.md",
+    "how_to/driven_qubit.md",
     "theory/validation.md",
     "theory/orbits.md",
     "how_to/limit_cycle.md",

@@ -37,10 +37,12 @@ MODULES = [
 LONG = {
     "docs/start/first_ten_minutes.md",
     "floquetrod.explorer.explorer",
+    "floquetrod.ensembles.ensemble",
     "floquetrod.orbits.following",
     "floquetrod.rod.reach_probability",
+    "floquetrod.rod.rod",
 }
-"""Whose examples take about a second and more; those of `Rod` are run in any case."""
+"""Whose examples take about a second and more."""
 
 
 def quick(names: list[str]) -> list[Any]:

@@ -261,6 +261,7 @@ def monodromy_growth(system: Any, omega: float) -> float:
     return math.log(np.abs(np.linalg.eigvals(end.reshape(2 * n, 2 * n))).max()) / system.period
 
 
+@pytest.mark.slow
 def test_two_equations_grow_as_integrated(ran: Ran) -> None:
     names, _ = ran("two_equations")
     verdict = names["verdict"]

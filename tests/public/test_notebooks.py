@@ -71,7 +71,7 @@ def test_a_notebook_takes_nothing_in_an_equation_for_tags() -> None:
     assert "&lt;b&gt;1 &lt; 2&lt;/b&gt;" in Own(0.5, -0.25)._repr_html_()
 
 
-@pytest.mark.parametrize("growth", [False, True])
+@pytest.mark.parametrize("growth", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_chart_shows_its_picture_once(growth: bool) -> None:
     chart = fr.chart(fr.Mathieu, over={"alpha": [0.1, 0.2, 0.3], "beta": [-0.4, -0.3, -0.2]}, growth=growth)
     for value in (chart, chart.bands):

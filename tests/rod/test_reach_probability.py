@@ -29,6 +29,7 @@ def most_friction(bottom: float, push: float = math.inf) -> float:
     return low
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("push", [None, pytest.param(20e3, marks=pytest.mark.slow)])
 def test_with_one_friction_it_is_the_share_below_what_stops_the_string(push: float | None) -> None:
     friction = stats.uniform(0.2, 0.2)
@@ -43,6 +44,7 @@ def test_with_one_friction_it_is_the_share_below_what_stops_the_string(push: flo
     assert 0.0 < found.probability[0] < 1.0
 
 
+@pytest.mark.slow
 def test_samples_are_strings_pushed_one_by_one() -> None:
     """Friction by depth, a weight, and a survey with both kinds of errors, with paths made by hand."""
     many = depth(100, 3)
@@ -122,7 +124,8 @@ def test_what_cannot_be_pushed_is_refused(friction: Any, changes: dict[str, Any]
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
-@pytest.mark.parametrize("seed", [16, *(pytest.param(k, marks=pytest.mark.slow) for k in range(20) if k != 16)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
 def test_with_a_tool_a_string_is_stopped_where_its_reach_says(seed: int) -> None:
     """Whatever depths are asked for: all before them count, those at which the tool alone adds too much stress, too."""
     rng = np.random.default_rng([48, 3, seed])

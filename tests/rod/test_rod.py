@@ -82,6 +82,7 @@ def test_claim_f3a() -> None:
     assert ROD.growth_rate(mean=0.47 * FCR, amplitude=0.2 * FCR, frequency=85.0) / 85.0 > 0.022
 
 
+@pytest.mark.slow
 def test_claim_f3c() -> None:
     # Near 20 rad/s: 0.76 F_cr with the 100-period test.  Exactly, the first tongue that grows by more than 1e-3 per tau
     # begins at 0.594, by more than 2e-4 at 0.47; thinner ones, which a grid steps over, lie lower: at 0.33 and 0.21.

@@ -98,7 +98,9 @@ def integrated(system: fr.HillSystem, damping: float, force: Floats) -> Floats:
     return np.asarray(motion[:n])
 
 
-@pytest.mark.parametrize("ends", ["clamped", "hinged-clamped", pytest.param("guided", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "ends", ["clamped", *(pytest.param(ends, marks=pytest.mark.slow) for ends in ("hinged-clamped", "guided"))]
+)
 def test_coupled_modes_move_as_their_equations_integrated_in_time(ends: str) -> None:
     rod = shaped({3: 2e-4, 5: -1e-4}, ends=ends, length=1.2)
     load = fr.AxialLoad(0.2 * UNIT, 0.3 * UNIT, 75.0, waveform=(-1j, 0.3))
@@ -127,6 +129,7 @@ def test_a_constant_force_bends_it_as_statics_says() -> None:
 # --- one shape by several doors ---
 
 
+@pytest.mark.slow
 def test_sampled_sines_are_sines() -> None:
     samples = 1e-4 * np.sin(5.0 * math.pi * np.linspace(0.0, 1.0, 81))
     for ends in ("hinged", "clamped"):
@@ -221,6 +224,7 @@ def test_a_map_has_the_deflection_of_each_load(shape: Any) -> None:
         assert chart.response[j, i] == pytest.approx(rod.response(load).largest, rel=6e-3)
 
 
+@pytest.mark.slow
 def test_a_map_of_coupled_modes_has_the_deflection_of_each_load() -> None:
     rod = shaped({3: 1e-4}, ends="clamped", length=1.2)
     chart = fr.stability_map(
@@ -374,7 +378,9 @@ def test_simulations_move_as_far_within_a_percent(mode: int, frequency: float, d
     assert np.abs(last).max() == pytest.approx(rod.response(load, unstable=True).largest, rel=1e-2)
 
 
-@pytest.mark.parametrize(("ends", "frequency"), [("hinged", 0.01), ("clamped", 0.1)])
+@pytest.mark.parametrize(
+    ("ends", "frequency"), [("hinged", 0.01), pytest.param("clamped", 0.1, marks=pytest.mark.slow)]
+)
 def test_a_load_too_slow_for_a_response_names_the_least_frequency(ends: str, frequency: float) -> None:
     rod = shaped({"curvature": 0.05}, ends=ends, length=2.0)
     with pytest.raises(ValueError, match=r"frequency must be at least about [\d.]+ rad/s for the response of") as error:

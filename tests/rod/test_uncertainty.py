@@ -56,6 +56,7 @@ def buckling_force(modulus: float, length: float = ROD.length) -> float:
     return float(np.min((c1 * modes**4 + squared) / (c2 * modes**2)))
 
 
+@pytest.mark.slow
 @pytest.mark.kernels
 @pytest.mark.parametrize("tolerance", [0.0, pytest.param(1e-6, marks=pytest.mark.slow), 0.05])
 def test_samples_agree_with_rods_made_one_by_one(tolerance: float) -> None:
@@ -136,6 +137,7 @@ def test_indices_of_functions_with_known_ones() -> None:
     assert (either["a"].total, either["b"].total) == pytest.approx((1.0, 1.0), abs=0.05)
 
 
+@pytest.mark.slow
 def test_intervals_of_indices_cover_them() -> None:
     p, q = 0.2, 0.6
     variance = p * q * (1.0 - p * q)

@@ -76,7 +76,7 @@ def periods_for(system: fr.HillSystem, efoldings: float) -> int:
 
 
 @pytest.mark.parametrize(("damping", "per_period"), SAMPLED)
-@pytest.mark.parametrize("order", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("order", [1, *(pytest.param(order, marks=pytest.mark.slow) for order in (2, 4))])
 def test_growth_of_coupled_modes(order: int, damping: float, per_period: float) -> None:
     rng = np.random.default_rng(order)
     system = coupled(order, rng, damping)
@@ -89,6 +89,7 @@ def test_growth_of_coupled_modes(order: int, damping: float, per_period: float) 
     assert fit.fit_error < 1e-2 * expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("damping", "per_period"), SAMPLED)
 def test_growth_of_a_combination_resonance(damping: float, per_period: float) -> None:
     rng = np.random.default_rng(5)
@@ -160,6 +161,7 @@ def test_errors_of_the_model_of_one_mode_or_of_all(waveform: object) -> None:
     np.testing.assert_allclose(one, whole, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_rod_longer_than_a_tenth_of_an_axial_wave_is_judged_with_the_wave() -> None:
     rod = ROD.replace(length=31.0)
     assert wave_ratio(rod, LOAD) > 0.1

@@ -48,7 +48,7 @@ def test_rods_that_lie_still_have_not_buckled() -> None:
     assert float(found.floquetrod.probability(over="seed").upper) == pytest.approx(1.0 - 0.025 ** (1 / depth(20, 8)))
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.4])
+@pytest.mark.parametrize("friction", [0.4, pytest.param(0.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("duration", [0.4, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_under_a_stable_load_rods_do_not_buckle_however_long_they_are_watched(friction: float, duration: float) -> None:
     assert ROD.stability(STABLE).status == "stable"
@@ -62,6 +62,7 @@ def test_under_a_stable_load_rods_do_not_buckle_however_long_they_are_watched(fr
             found.floquetrod.probability(over="seed")
 
 
+@pytest.mark.slow
 def test_rods_that_grow_against_friction_buckle() -> None:
     found = kicked(UNSTABLE, 0.12, range(6), friction=0.1)
     assert kinds(found) == ["buckled", "quiet", "buckled", "quiet", "quiet", "buckled"]
@@ -133,6 +134,7 @@ def test_angles_count_from_where_a_rod_began() -> None:
         assert kind(20.0 * SWING, shift=shift) == "buckled"
 
 
+@pytest.mark.slow
 def test_the_swing_of_a_kick_is_that_of_the_simulated_rod() -> None:
     kicks = fr.Perturbation.modes({8: 0.05}), fr.Perturbation.modes({3: 0.02}), fr.Perturbation.random(0.05, 2)
     for kick in kicks[depth(0, 1) :]:

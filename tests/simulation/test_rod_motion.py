@@ -230,6 +230,7 @@ def test_static_sag(ends: str, part: float) -> None:
     assert energies(mesh, records[-1])["gravity"] < energies(mesh, records[0])["gravity"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", [pytest.param("free", marks=pytest.mark.slow), "hinged-clamped"])
 def test_energy_has_no_trend_in_a_million_steps(ends: str, rng: np.random.Generator) -> None:
     mesh = DiscreteRod(SHORT.replace(ends=ends), 8)

@@ -99,6 +99,7 @@ def test_growth_rate_of_a_mode_near_the_prediction() -> None:
     assert damped.growth_rate(7).rate - fit.rate == pytest.approx(expected, abs=2e-3)  # 5e-4 of the rate
 
 
+@pytest.mark.slow
 def test_a_bounded_mode_does_not_grow() -> None:
     calm = fr.AxialLoad(0.05 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
     result = fr.simulate(ROD, calm, duration=0.5, perturbation=fr.Perturbation.modes({7: 1e-3}), segments=60)
@@ -118,6 +119,7 @@ def test_growth_is_fitted_to_floquet_solutions_exactly() -> None:
         assert fit.rate == pytest.approx(rate - c, rel=5e-5)
 
 
+@pytest.mark.slow
 def test_buckling_under_a_constant_force() -> None:
     kick = fr.Perturbation.random(1e-3, seed=1)
     above = fr.AxialLoad(1.1 * ROD.critical_force, 0.0, 1.0)

@@ -147,6 +147,7 @@ def test_the_error_of_the_energy_balance_is_of_second_order(friction: float, end
     assert 3.0 < errors[0] / errors[1] < 5.5
 
 
+@pytest.mark.slow
 def test_without_contact_the_energy_wavers_as_the_square_of_the_step() -> None:
     # In a shaft so wide that a rod thrown across it meets no wall.
     wide = on_path(bend(60.0, 90.0), rod=ROD.replace(channel_radius=0.3, ends="free", gravity=1e-9))

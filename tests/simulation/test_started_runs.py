@@ -104,7 +104,7 @@ def test_a_buckled_rod_is_said_to_be_so_until_it_is_at_rest(buckled: fr.Simulati
 
 def test_what_is_said_of_a_run_is_what_comes_of_the_rod(buckled: fr.Simulation, rng: np.random.Generator) -> None:
     """Of loads that are drawn: what is dying out comes to rest, what stays large was buckled all the time."""
-    for _ in range(depth(40, 3)):
+    for _ in range(depth(40, 2)):
         rod = ROD.replace(damping_rate=float(rng.choice([0.0, 1.0, 4.0])))
         load = fr.AxialLoad(rng.uniform(0.0, 0.9) * FORCE, rng.uniform(0.0, 0.8) * FORCE, rng.uniform(80.0, 200.0))
         options = {"friction": float(rng.choice([0.0, 0.0, 0.1])), "frames": 81}
@@ -139,6 +139,7 @@ def test_a_rod_at_rest_against_friction_is_measured_from_the_floor() -> None:
     assert freed.energy["dissipated_friction"][-1] == freed.energy["dissipated_friction"][0] > 0.0
 
 
+@pytest.mark.slow
 def test_growth_after_a_stable_load_is_that_without_it() -> None:
     kick = fr.Perturbation.modes({7: 1e-4})
     rod = ROD.replace(damping_rate=0.3)
@@ -155,6 +156,7 @@ def test_growth_after_a_stable_load_is_that_without_it() -> None:
     assert later.outcome.kind == alone.outcome.kind == "quiet"
 
 
+@pytest.mark.slow
 def test_growth_of_a_run_that_begins_large_is_refused_in_a_sentence(buckled: fr.Simulation) -> None:
     for load in (CALM, fr.AxialWave(CALM.mean, CALM.amplitude, CALM.frequency)):
         run = fr.simulate(ROD, load, duration=0.2, start=buckled)
@@ -227,6 +229,7 @@ def test_in_a_well_rest_is_where_the_new_load_presses_it(tmp_path: Path) -> None
     assert later.outcome.angle < math.radians(1.0)
 
 
+@pytest.mark.slow
 def test_early_ends_count_from_the_state(buckled: fr.Simulation) -> None:
     run = fr.simulate(ROD, BUCKLES, duration=0.1, frames=11, start=buckled, stop_early=True)
     assert (run.ended, run.buckled) == ("duration", True)

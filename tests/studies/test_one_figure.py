@@ -53,6 +53,7 @@ def test_a_whole_figure_has_the_data_of_every_panel(tmp_path: Path, monkeypatch:
     assert modes == [f"mode {m}, {'unstable' if m == 7 else 'stable'}" for m in range(1, 11)]
 
 
+@pytest.mark.slow
 def test_intervals_are_data_with_a_heading_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = drawn("3e", tmp_path, monkeypatch)
     expected = figures.unstable_intervals(0.2, 85.0, 1.1)

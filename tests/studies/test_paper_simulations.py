@@ -86,6 +86,7 @@ def test_everything_is_simulated_and_told(made: tuple[SimulationStudy, list[str]
     assert len({str(trial) for group in short(True) for trial in group}) == len(said)
 
 
+@pytest.mark.slow
 def test_parts_of_a_draw(made: tuple[SimulationStudy, list[str]]) -> None:
     for draw in made[0].draws:
         whole = dict(draw.whole.trial.problem.perturbation.speeds)

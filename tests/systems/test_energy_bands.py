@@ -155,6 +155,7 @@ def test_edges_gaps_and_proofs() -> None:
     assert fr.stability(found.at(1.0)).status == "unstable"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "potential",
     [
@@ -201,6 +202,7 @@ def test_a_mass_divides_energies() -> None:
     )
 
 
+@pytest.mark.slow
 def test_edges_of_a_system_lie_between_phases_too() -> None:
     found = fr.bands(COUPLED, 0.0, below=4.0)
     phases = np.linspace(0.0, math.pi, 400)

@@ -116,6 +116,7 @@ def test_what_the_quick_rules_leave_open_is_judged_alone(heard: Heard) -> None:
     assert len(asked) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "system",
     [
@@ -165,6 +166,7 @@ def test_one_that_takes_too_long_spoils_no_other() -> None:
     assert "would take" in fr.stability(pick(batch, 1), method="half_period").note
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UndecidedWarning")
 def test_progress_counts_to_the_end_and_may_end_the_work() -> None:
     # The first and the last are decided by the quick rules; two equal oscillators coupled one way are judged alone.

@@ -188,12 +188,12 @@ def test_a_plot_is_labelled() -> None:
 @pytest.mark.parametrize(
     ("name", "label"),
     [
-        ("omega", r"$\omega$"),
+        pytest.param("omega", r"$\omega$", marks=pytest.mark.slow),
         ("omega_1", r"$\omega_{1}$"),
         ("q_x", "$q_{x}$"),
         pytest.param("k", "$k$", marks=pytest.mark.slow),
         pytest.param("k2", "$k_{2}$", marks=pytest.mark.slow),
-        ("Omega", r"$\Omega$"),
+        pytest.param("Omega", r"$\Omega$", marks=pytest.mark.slow),
         ("load_factor", "load_factor"),
         pytest.param("advance", "advance", marks=pytest.mark.slow),
     ],

@@ -114,6 +114,7 @@ def test_one_question_in_feet_and_in_si_has_one_answer_in_terminal_and_python(
     assert numbers["ft"]["reach_m"] == pytest.approx(numbers["m"]["reach_m"], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hertz", [True, False])
 def test_bounds_in_hertz_are_answered_in_hertz(hertz: bool, capsys: pytest.CaptureFixture[str]) -> None:
     rod, load, turn = fr.Rod.nitinol(), fr.AxialLoad(0.3, 0.34, 1.0), 6.283185307179586

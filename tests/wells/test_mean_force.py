@@ -55,6 +55,7 @@ def test_along_an_arc_the_force_is_the_closed_form(mu: float, ends: tuple[float,
     assert found.error < 1e-7 * size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arc", pytest.param("S", marks=pytest.mark.slow), "turn"])
 def test_from_station_to_station_others_come_to_it_with_the_first_order(name: str) -> None:
     """The method of torque-and-drag codes (SPE 11380), three times as good with stations three times as close."""

@@ -189,6 +189,7 @@ def test_between_the_depths_at_which_the_lower_end_turns_no_string_is_stopped() 
         assert (steps > -1e-3).all() or (steps < 1e-3).all()
 
 
+@pytest.mark.slow
 def test_the_reach_is_that_within_a_share_of_yield_and_lock_up_is_told_beside_it() -> None:
     rod = TUBING.replace(yield_strength="70ksi")
     shares = (None, 0.8, 0.5, 0.15)[:: depth_of_draws(1, 2)]
@@ -234,6 +235,7 @@ def test_each_force_with_the_tool_is_that_of_its_own_string(above_end: float) ->
     assert shaken.error < 5e-3 * abs(still.at_top)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("push", [pytest.param(None, marks=pytest.mark.slow), "15kN"])
 def test_the_force_at_the_bit_is_what_the_upper_end_can_push_there(push: str | None) -> None:
     found = TUBING.reach(WELL, 0.3, push=push, depth=[1200.0, 2500.0, 3500.0])

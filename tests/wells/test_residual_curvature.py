@@ -76,6 +76,7 @@ def test_without_a_bend_nothing_changes() -> None:
     assert "bend" not in dict(plain.report().lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.3, [(0.0, 0.25), (2000.0, 0.35)], [(0.0, 0.35), (2880.0, 0.1)]][depth(0, 2) :])
 def test_a_bent_string_reaches_less_and_as_far_as_its_mean_force(friction: Any) -> None:
     bent = BENT.reach(WELL, friction, depth=[3000.0], yield_share=None)

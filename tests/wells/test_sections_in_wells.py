@@ -122,6 +122,7 @@ def drawn(seed: int) -> Drawn:
     return Drawn(rod, well, friction, motion, helical, rng.uniform(-5e3, 4e3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seeds", [range(depth_of_draws(24, 3)), pytest.param(range(24, 500), marks=pytest.mark.slow)], ids=str
 )
@@ -235,6 +236,7 @@ def test_a_wide_section_passes_all_bores_above_it() -> None:
         string.reach(WELL, 0.2)
 
 
+@pytest.mark.slow
 def test_a_tool_shakes_sections_as_force_and_wave_integrated_together_say() -> None:
     """From the lower end up by another integrator, whose first velocity is sought so that the upper end is at rest."""
     inclination, mu, v, frequency, bottom, above_end = 1.35, 0.3, 0.05, 110.0, 700.0, 20.0
@@ -370,6 +372,7 @@ def test_the_terminal_answers_as_python_does(tmp_path: Path, capsys: pytest.Capt
     assert "depth must be no deeper than the string reaches: it is 1805 m long" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("push", ["15kN", "60kN"])
 def test_a_sample_reaches_a_depth_where_the_string_does(push: str) -> None:
     found = STRING.reach(WELL, 0.4, push=push, depth=[2000.0])

@@ -156,6 +156,7 @@ def scan_a_damped_rod(
     return partial
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(15, 3))
 @DAMPED
 def test_damped_and_tolerant_ranges_against_dense_scans(
@@ -172,6 +173,7 @@ def test_margins_end_where_stable_ranges_do(seed: int) -> None:
         assert ranges_attack.margin_against_ranges(question, varied) == []
 
 
+@pytest.mark.slow
 def test_a_margin_beyond_a_stable_range_would_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
     question = rods.Question(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.01)
     assert ranges_attack.margin_against_ranges(question, "mean") == []
@@ -364,6 +366,7 @@ def test_bad_questions(call: object, message: str) -> None:
         call()  # type: ignore[operator]
 
 
+@pytest.mark.slow
 def test_tongues_thinner_than_rounding_end_a_search() -> None:
     """Far below the modes' frequencies ends of tongues are neighbouring doubles, between which no place is left."""
     rod = fr.Rod.nitinol()

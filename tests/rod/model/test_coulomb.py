@@ -62,6 +62,7 @@ def test_without_friction_or_growth() -> None:
     assert ROD.stability(quiet, friction=0.0, kick=1.0).stable
 
 
+@pytest.mark.slow
 def test_maps_agree_with_single_loads() -> None:
     shares, frequencies = np.array([0.118, 0.424, 0.825]), np.array([60.0, 85.0, 110.0, 150.0][:: depth(1, 2)])
     unit = ROD.critical_force

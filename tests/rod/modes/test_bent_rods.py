@@ -161,6 +161,7 @@ def test_nothing_is_proved_where_the_wall_is_left() -> None:
     assert rod.certify(mean=0.7, amplitude=0.01, frequency=150.0, max_boxes=50).status == "undecided"
 
 
+@pytest.mark.slow
 def test_probability_of_curvature_is_that_of_samples() -> None:
     load = fr.AxialLoad(0.3 * UNIT, 0.2 * UNIT, 150.0)
     found = fr.probability_of_instability(ROD, load, {"curvature": (0.0, 0.1)}, samples=2000, seed=3)
@@ -501,6 +502,7 @@ def test_numbers_of_modes_that_agree_by_chance_do_not_hide_the_error() -> None:
     assert len(found.convergence) >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore:the vibration moves the rod along")
 @pytest.mark.parametrize(("seed", "count"), [(1, 4), pytest.param(2, 400, marks=pytest.mark.slow)])
 def test_the_stated_error_holds_the_growth_of_twice_as_many_modes(seed: int, count: int) -> None:

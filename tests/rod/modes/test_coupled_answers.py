@@ -119,6 +119,7 @@ def test_maps_say_what_arrays_do(kind: str) -> None:
 # --- tolerance ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind", ["sine", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("harmonics", "wave"))]
 )
@@ -138,6 +139,7 @@ def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
 # --- margins and ranges against scans ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "quantity"),
     [
@@ -380,6 +382,7 @@ def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
     assert verdict.margin("mean", seconds=1.0).above < grows.mean - load.mean
 
 
+@pytest.mark.slow
 def test_a_search_takes_waveforms_of_many_harmonics() -> None:
     def growth(waveform: tuple[complex, ...]) -> list[float]:
         load = fr.AxialLoad(MEAN, AMPLITUDE, FREQUENCY, waveform=waveform)
@@ -491,6 +494,7 @@ def test_a_buckling_load_is_undecided_without_vibration() -> None:
 # --- damping ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind", ["sine", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("harmonics", "wave"))]
 )
@@ -722,6 +726,7 @@ def test_rods_that_may_move_as_a_whole_are_judged(ends: str) -> None:
     assert math.isfinite(found.growth_rate)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pull", [0.1, *(pytest.param(pull, marks=pytest.mark.slow) for pull in (3.0, 1e5)), 1e3])
 def test_tension_stabilises(pull: float) -> None:
     assert ROD.stability(load(mean=-pull * UNIT, amplitude=0.05 * UNIT)).status == "stable"

@@ -139,6 +139,7 @@ def close(rod: fr.Rod, load: Any) -> None:
     assert found.growth_rate == pytest.approx(rate, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -167,15 +168,11 @@ def test_finite_differences_know_beams(ends: str) -> None:
 SOME = "clamped", "clamped-hinged", "hinged-clamped", "clamped-guided", "guided-free"
 
 
-LONG = {"driven", "two harmonics"}
-"""Ways of forcing with which finite differences take a second."""
-
-
 @pytest.mark.parametrize(
     ("ends", "way"),
     [
-        # The quicker three of each of both once, and all of one with all of the other under `make slow`.
-        pytest.param(ends, way, marks=[pytest.mark.slow] * (SOME.index(ends) != WAYS.index(way) or way in LONG))
+        # One, and all ends with all ways under `make slow`.
+        pytest.param(ends, way, marks=[pytest.mark.slow] * ((ends, way) != (SOME[0], WAYS[0])))
         for ends in SOME
         for way in WAYS
     ],
@@ -261,8 +258,7 @@ def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(ends: 
 @pytest.mark.parametrize(
     "ends",
     [
-        *(pytest.param(ends, marks=pytest.mark.slow) for ends in ("clamped-hinged", "free-clamped")),
-        "clamped-guided",
+        *(pytest.param(ends, marks=pytest.mark.slow) for ends in ("clamped-hinged", "free-clamped", "clamped-guided")),
         "hinged-guided",
     ],
 )
@@ -285,6 +281,7 @@ def test_finite_differences_turned_round_grow_alike() -> None:
     assert fd.growth(turned).rate == pytest.approx(fd.growth(model).rate, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_load_half_a_period_later_grows_alike() -> None:
     rod = SHORT.replace(ends="clamped")
     load = growing(rod, "two harmonics")
@@ -302,6 +299,7 @@ PUSHED = fr.Rod(
 """A short and stiff rod."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [4, pytest.param(None, marks=pytest.mark.slow)])
 def test_a_short_stiff_rod_that_is_pushed_slowly_grows_as_its_slowest_mode(count: int | None) -> None:
     """It grows by 33 decades in a period, in which the stiffest function swings some thousand times.
@@ -352,6 +350,7 @@ def test_growth_converges_in_modes(ends: str) -> None:
     assert shown[-1] == best.growth_rate
 
 
+@pytest.mark.slow
 def test_the_error_covers_growth_that_hardly_changes_over_a_few_numbers_of_modes() -> None:
     """With 19 and 22 modes growth is the same to 7e-8, and to come is 1.3e-5."""
     rod = fr.Rod(
@@ -463,6 +462,7 @@ def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypa
     assert calls == [(1, 2), (2, 2)]
 
 
+@pytest.mark.slow
 def test_a_long_rod_that_buckles_fast_is_unstable_with_every_number_of_modes() -> None:
     """It grows 2,600-fold in a period: multipliers that decay as fast are lost in rounding, and decide nothing."""
     rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=250.0, inclination=1.22, ends="clamped")
@@ -505,7 +505,9 @@ DRIVEN_FAR_ABOVE = {
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
-@pytest.mark.parametrize("name", DRIVEN_FAR_ABOVE)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (k > 0)) for k, name in enumerate(DRIVEN_FAR_ABOVE)]
+)
 def test_modes_far_above_those_that_grow_are_in_the_error(name: str) -> None:
     """Where ends are not hinged a harmonic of the motion drives them, and growth jumps where they join."""
     (ends, length, rate), load, growth, most = DRIVEN_FAR_ABOVE[name]

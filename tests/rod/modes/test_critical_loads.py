@@ -123,6 +123,7 @@ def _is_narrow(question: Question, start: float, width: float) -> bool:
     return bool((question.growth(start + width * np.linspace(0.02, 1.0, 50)) <= SLOW).any())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "amplitude", "frequency", "share"),
     [

@@ -187,6 +187,7 @@ def test_the_mean_force_that_buckles_is_that_of_the_closed_form() -> None:
     assert ROD.critical("mean", amplitude=0.0, frequency=1.0) == pytest.approx(buckling(), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_the_probability_of_instability_is_the_share_of_the_range() -> None:
     around = 0.99 * (SLOW + FAST), 1.01 * (SLOW + FAST)
     below, above = ROD.ranges("frequency", mean=0.0, amplitude=AMPLITUDE, bounds=around)
@@ -211,6 +212,7 @@ def test_the_terminal_prints_its_report() -> None:
     assert numbers["resonances"][0]["growth_rate_per_s"] == found.growth_rate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("prompt", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     """The map follows the sliders where verdicts are prompt; neither kind has bands or a place among the tongues."""

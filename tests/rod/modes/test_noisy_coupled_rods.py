@@ -102,6 +102,7 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
     assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_search_for_a_margin_keeps_to_its_time(heard: Heard) -> None:
     """By an estimate of what a verdict takes; a part that is begun takes seven of them at least."""
     verdict = CLAMPED.stability(load(CLAMPED, 0.4 * HIGH_MODES, 0.05))
@@ -113,6 +114,7 @@ def test_a_search_for_a_margin_keeps_to_its_time(heard: Heard) -> None:
     assert sum(loads.size for _, loads, *_ in asked) <= 4 * 7
 
 
+@pytest.mark.slow
 def test_progress_counts_all_loads() -> None:
     """Those that grow without noise too; the search for these is the first half."""
     rod = CLAMPED.replace(length=0.3)

@@ -301,6 +301,7 @@ def test_ranges_margins_and_maps_know_noise() -> None:
     assert "noise of" in repr(chart)
 
 
+@pytest.mark.slow
 def test_the_first_range_under_noise_ends_at_the_critical_load() -> None:
     like, shared = load(0.1 * HIGH_MODES), {"amplitude": 0.1 * FCR, "frequency": 150.0}
     critical, ranges = ROD.critical("mean", like, **shared), ROD.ranges("mean", like, **shared)

@@ -366,6 +366,7 @@ def test_what_the_whole_string_has_varies() -> None:
     assert 0.0 < found.probability < 1.0
 
 
+@pytest.mark.slow
 def test_one_file_about_a_string_has_its_sections(tmp_path: Path) -> None:
     verdict = STRING.stability(fr.AxialLoad("7.1kN", "3.84kN", "2.55Hz"))
     text = fr.save_report(verdict, tmp_path / "string.html", margins=False).read_text(encoding="utf-8")

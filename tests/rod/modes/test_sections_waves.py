@@ -234,6 +234,7 @@ def test_driven_ends_look_the_same_from_either_end(rng: np.random.Generator) -> 
         assert one == pytest.approx(other, rel=1e-9, abs=1e-11 * np.abs(one).max() ** 2)
 
 
+@pytest.mark.slow
 def test_symmetric_lines_driven_at_both_ends_have_no_resonance_of_odd_motion() -> None:
     outer, middle = LinePiece(20.0, 5135.0, 2.0), LinePiece(30.0, 5135.0, 7.0)
     line, load = AxialLine((outer, middle, outer)), wave("driven")
@@ -314,6 +315,7 @@ def test_the_largest_force_is_that_of_a_fine_grid(rng: np.random.Generator) -> N
             assert line.largest(load, np.array([frequency]))[0] == pytest.approx(found.factor, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far_end", FAR_ENDS)
 def test_gaps_are_where_verdicts_are_refused(far_end: str, rng: np.random.Generator) -> None:
     load = wave(far_end, waveform=(1.0, 0.0, 0.2))
@@ -450,6 +452,7 @@ def test_a_force_record_grows_as_finite_elements_with_waves_and_without() -> Non
         assert rod.growth_rate(load) == pytest.approx(growth_by_finite_elements(rod, load, 240, 40), abs=2e-5)
 
 
+@pytest.mark.slow
 def test_a_force_record_grows_as_its_load() -> None:
     rod = WALLS.replace(damping_rate=0.2)
     record = recorded(rod)
@@ -461,7 +464,9 @@ def test_a_force_record_grows_as_its_load() -> None:
     assert response.section in (0, 1)
 
 
-@pytest.mark.parametrize("far_end", FAR_ENDS)
+@pytest.mark.parametrize(
+    "far_end", [pytest.param(end, marks=[pytest.mark.slow] * (k > 0)) for k, end in enumerate(FAR_ENDS)]
+)
 def test_arrays_of_waves_are_answered_as_single_ones(far_end: str) -> None:
     rod = TOOL.replace(damping_rate=0.1)
     load = shaken(rod, 0.4, 0.1, 0.7, far_end, 0.0)
@@ -479,6 +484,7 @@ def test_arrays_of_waves_are_answered_as_single_ones(far_end: str) -> None:
         rod.stability(load.varied("frequency", resonance))
 
 
+@pytest.mark.slow
 def test_maps_ranges_and_limits_of_waves_hold_at_single_loads(tuned: Tuned) -> None:
     tuned(samples_of_ranges=9, least_samples_of_a_group=3, groups_of_frequencies=2)
     rod = WALLS.replace(damping_rate=0.2)

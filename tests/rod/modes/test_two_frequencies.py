@@ -153,6 +153,7 @@ def test_a_verdict_says_its_tolerance() -> None:
     assert json.loads(json.dumps(tolerated.as_dict()))["load"]["second"] == [0.01 * FCR, GOLDEN * OMEGA]
 
 
+@pytest.mark.slow
 def test_searches_agree_with_verdicts(tuned: Tuned) -> None:
     if not DEEP:
         tuned(samples_of_ranges=65)
