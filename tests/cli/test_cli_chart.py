@@ -59,8 +59,9 @@ def test_the_example_is_the_chart_of_the_same_function(capsys: pytest.CaptureFix
 
 def test_bands_are_found_unless_pixels_are_wanted(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     vertices = tmp_path / "bands.csv"
-    said, chart = charted(capsys, tmp_path, TEXT, "--points", "13x7", "--out", str(vertices))
-    expected = fr.chart(oscillators, over={"omega": (1.5, 4.5, 13), "epsilon": (0.0, 0.6, 7)}).find_bands()
+    columns, rows = depth(13, 7), depth(7, 4)
+    said, chart = charted(capsys, tmp_path, TEXT, "--points", f"{columns}x{rows}", "--out", str(vertices))
+    expected = fr.chart(oscillators, over={"omega": (1.5, 4.5, columns), "epsilon": (0.0, 0.6, rows)}).find_bands()
     assert said["bands"] == len(chart.bands) == len(expected) > 1
     for band, same in zip(chart.bands, expected, strict=True):
         assert np.abs(band.x - same.x).max() < 1e-9

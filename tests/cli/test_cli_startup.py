@@ -35,7 +35,7 @@ def _own(modules: set[str]) -> set[str]:
     [
         ("", {}, "1"),
         pytest.param("", {"MKL_NUM_THREADS": "3"}, "None", marks=pytest.mark.slow),
-        ("import numpy", {}, "None"),
+        pytest.param("import numpy", {}, "None", marks=pytest.mark.slow),
     ],
 )
 def test_products_take_one_thread_unless_told_otherwise(first: str, given: dict[str, str], threads: str) -> None:

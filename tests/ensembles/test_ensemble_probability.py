@@ -119,6 +119,7 @@ def test_runs_that_share_seeds_would_not_be_covered() -> None:
     assert missed > 150
 
 
+@pytest.mark.slow
 @depth(2000, 80)
 def test_chosen_values_are_averaged_within_a_seed(draws: int) -> None:
     """Of kicks that have their seeds in common, each seed counts once."""

@@ -140,7 +140,7 @@ def test_an_energy_on_the_edge_is_half_the_frequency() -> None:
 # --- against an independent integration ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("unitary", [True, False])
+@pytest.mark.parametrize("unitary", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_drawn_systems(unitary: bool, rng: np.random.Generator) -> None:
     check(rng, unitary=unitary, count=depth(15, 8))
 

@@ -67,7 +67,7 @@ def enclosed(values: Any, radii: Any, true: list[Any]) -> bool:
 
 
 @pytest.mark.kernels
-@pytest.mark.parametrize("n", [1, 2])
+@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_errors_hold_against_exponentials_in_many_digits(n: int) -> None:
     rng = np.random.default_rng(n)
     relative = []

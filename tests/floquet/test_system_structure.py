@@ -113,6 +113,7 @@ def test_one_equation_with_heavy_damping_is_the_scalar_one() -> None:
         assert scalar.status == system.status, (mean, wave, damping, period)
 
 
+@pytest.mark.slow
 def test_heavy_damping_of_several_equations() -> None:
     rng = np.random.default_rng(9)
     for _ in range(depth(40, 3)):

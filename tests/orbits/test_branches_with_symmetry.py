@@ -158,8 +158,7 @@ def check(known: Known, longest: float) -> fr.Branch:
 
 @pytest.mark.parametrize(
     "family",
-    # Two of them are followed below in any case.
-    [pytest.param(f, marks=[pytest.mark.slow] * (f in (identical_oscillators, invariant_plane))) for f in FAMILIES],
+    [pytest.param(f, marks=[pytest.mark.slow] * (f is not folding_copies)) for f in FAMILIES],
 )
 def test_multipliers_that_cross_together_are_located(family: Callable[[np.random.Generator, int], Known]) -> None:
     for seed in range(depth(6, 1)):

@@ -25,7 +25,6 @@ def test_without_examples():
 """
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("workers", "left_out", "status"),
     [

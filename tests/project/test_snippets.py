@@ -38,9 +38,11 @@ LONG = {
     "docs/start/first_ten_minutes.md",
     "floquetrod.explorer.explorer",
     "floquetrod.ensembles.ensemble",
+    "floquetrod.milling.milling",
     "floquetrod.orbits.following",
     "floquetrod.rod.reach_probability",
     "floquetrod.rod.rod",
+    "floquetrod.systems.energy_bands",
 }
 """Whose examples take about a second and more."""
 

@@ -110,7 +110,8 @@ ARRAYS |= {"Milling.cutting"}
 SLOW = {"Rod.follow", "Rod.certify", "Rod.largest_safe_box", "probability_of_reach", "simulate"}
 SLOW |= {"RodStability.margin", "RodStability.margin (coupled)", "RodStability.margins", "SimulationProblem.replace"}
 SLOW |= {f"Rod.{name} (coupled)" for name in ("critical", "stability", "modes_needed")}
-SLOW |= {"Rod.critical (coupled, amplitude)"}
+SLOW |= {"Rod.critical (coupled, amplitude)", "Rod.ranges (frequency)", "Rod.ranges (amplitude)"}
+SLOW |= {"Rod.surface_weights", "probability_of_instability"}
 
 
 def kind_of(name: str, argument: str) -> str | None:

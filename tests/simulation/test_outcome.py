@@ -69,6 +69,7 @@ def test_rods_that_grow_against_friction_buckle() -> None:
     assert (np.degrees(found.angle_in_the_end.values[found.buckled.values]) > 45.0).all()
 
 
+@pytest.mark.slow
 def test_without_a_load_nothing_buckles(rng: np.random.Generator) -> None:
     """Kicks in modes and at random, with and without friction and damping, short and long, stopped early or not."""
     for _ in range(depth(60, 6)):

@@ -52,7 +52,7 @@ ROOTS = {
 
 
 @pytest.mark.kernels
-@pytest.mark.parametrize("friction", [0.0, 1e-6])
+@pytest.mark.parametrize("friction", [1e-6, pytest.param(0.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ends", ["-".join(pair) for pair in itertools.product(ENDS, ENDS)])
 def test_forces_and_torques_are_the_gradient_of_the_energy(
     ends: str, friction: float, rng: np.random.Generator
@@ -282,7 +282,7 @@ def test_the_bound_on_the_step_is_sharp(
 
 
 @pytest.mark.parametrize("ends", ["-".join(pair) for pair in itertools.product(ENDS, ENDS)])
-@pytest.mark.parametrize("rod", [SHORT, THICK])
+@pytest.mark.parametrize("rod", [THICK, pytest.param(SHORT, marks=pytest.mark.slow)])
 def test_no_motion_is_faster_than_the_bound_on_the_step_allows(rod: fr.Rod, ends: str) -> None:
     """Every eigenvalue, at segments as short as may be for the thick tube."""
     mesh = DiscreteRod(rod.replace(ends=ends), 40 if rod is SHORT else 100, contact_damping=0.0)

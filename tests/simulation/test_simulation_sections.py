@@ -278,7 +278,7 @@ def test_a_string_turned_round_moves_as_its_mirror_image() -> None:
     ("friction", "ends", "path"),
     [
         (0.0, "hinged", None),
-        (0.15, "free-clamped", SURVEY),
+        pytest.param(0.15, "free-clamped", SURVEY, marks=pytest.mark.slow),
         pytest.param(0.0, "hinged", SURVEY, marks=pytest.mark.slow),
         pytest.param(0.15, "free-clamped", None, marks=pytest.mark.slow),
     ],

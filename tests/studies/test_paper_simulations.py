@@ -145,6 +145,7 @@ def test_figures(made: tuple[SimulationStudy, list[str]], tmp_path: Path) -> Non
     assert titles[10] == "stays (paper: mode 6)"
 
 
+@pytest.mark.slow
 def test_control_c_ends_the_runs_under_way() -> None:
     trial = changed(simulations.figure_4()[0], duration=100.0)  # minutes
 

@@ -234,6 +234,7 @@ def test_velocities_are_derivatives() -> None:
         assert fr.bands(potential, -1.0, below=6.0).velocities == pytest.approx(-around.velocities[1], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_few_and_no_energies() -> None:
     none = fr.bands(PRINTED, [0.0, 1.0], below=-3.0)
     assert none.energies.shape == (2, 0)

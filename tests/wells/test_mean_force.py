@@ -36,7 +36,7 @@ def arc_force(path: fr.WellPath, depth: np.ndarray, mu: float, far_force: float)
     return (far_force - steady(end)) * np.exp(mu * (end - phi)) + steady(phi)
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("mu", [0.3, *(pytest.param(mu, marks=pytest.mark.slow) for mu in (0.0, 1.0))])
 @pytest.mark.parametrize("ends", [(0.3, 1.2), (0.1, math.pi / 2.0), (1.5, 0.8)])
 @pytest.mark.parametrize("motion", ["pushed", "pulled"])
 def test_along_an_arc_the_force_is_the_closed_form(mu: float, ends: tuple[float, float], motion: str) -> None:

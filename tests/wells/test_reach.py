@@ -85,6 +85,7 @@ STIFF = fr.Rod(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "depths", [None, *(pytest.param(depths, marks=pytest.mark.slow) for depths in ([2942.0], [50.0, 2800.0, 2900.0]))]
 )

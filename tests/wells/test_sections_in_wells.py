@@ -172,6 +172,7 @@ def test_equal_sections_are_a_uniform_rod_to_the_bit() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seeds", [range(1), *(pytest.param(range(a, a + 20), marks=pytest.mark.slow) for a in range(1, 81, 20))], ids=str
 )

@@ -67,6 +67,9 @@ OTHERS: dict[str, Callable[[fr.Rod], Any]] = {
     "probability": lambda rod: fr.probability_of_instability(rod, LOAD, {"youngs_modulus": (6e10, 7e10)}, samples=100),
     "simulate": lambda rod: fr.SimulationProblem(rod, LOAD, duration=1e-3, segments=60, frames=2).mesh,
 }
+LONG = {"stability under noise", "stability_map", "ranges"}
+"""What takes a second."""
+
 UNTOUCHED = {
     "catalogue": "makes a rod",
     "from_toml": "makes a rod",
@@ -118,7 +121,10 @@ def require_all_sections(question: Callable[[fr.Rod], Any]) -> None:
 
 
 @needs_jit
-@pytest.mark.parametrize("name", [name for name in dir(fr.Rod) if not name.startswith("_")])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in dir(fr.Rod) if not name.startswith("_")],
+)
 @pytest.mark.filterwarnings("ignore")
 def test_every_public_attribute_knows_every_section_or_refuses(name: str) -> None:
     if name in UNTOUCHED or (name in fr.Rod.__dataclass_fields__ and name != "length"):
@@ -130,7 +136,7 @@ def test_every_public_attribute_knows_every_section_or_refuses(name: str) -> Non
 
 
 @needs_jit
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in OTHERS])
 @pytest.mark.filterwarnings("ignore")
 def test_every_function_of_a_rod_knows_every_section_or_refuses(name: str) -> None:
     require_all_sections(OTHERS[name])

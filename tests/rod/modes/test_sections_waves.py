@@ -280,6 +280,7 @@ def test_resonances_of_two_sections_solve_their_equation(rng: np.random.Generato
             assert line.passed(wave(far_end), 30.0 * unit) == len(expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far_end", FAR_ENDS)
 def test_no_resonance_is_missed_by_a_count_or_a_fine_scan(far_end: str, rng: np.random.Generator) -> None:
     load = wave(far_end)

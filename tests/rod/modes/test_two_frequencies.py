@@ -86,7 +86,7 @@ def agree(seed: int, modes: int, periods: int) -> None:
         assert verdict.status != "unstable"
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", range(depth(2, 1)))
 def test_modes_grow_as_in_a_long_integration(seed: int) -> None:
     agree(seed, 7, 120)
 
