@@ -237,14 +237,24 @@ def transpose_inverse(a: Any, out: Any) -> None:
 
 @kernel
 def balance(s: Any, f: Any, omega: float, g: Any) -> tuple[float, float, float]:
-    """Set g to the roots of the rates by which velocities are divided; return max |s| and the extreme rates."""
-    sizes = np.abs(s)
-    squares = sizes + 0.0625 * omega * omega
-    for k in range(len(f)):
-        squares = squares + np.abs(np.diag(f[k]))
-    rates = np.sqrt(squares)
-    g[:] = np.sqrt(rates)
-    return sizes.max(), rates.min(), rates.max()
+    """Set g to the roots of the rates by which velocities are divided; return max |s| and the extreme rates.
+
+    A NaN among them is returned.  Element by element: assigning arrays takes numba seconds to compile.
+    """
+    size, slow, fast = 0.0, math.inf, 0.0
+    for i in range(len(s)):
+        square = abs(s[i]) + 0.0625 * omega * omega
+        for k in range(len(f)):
+            square += abs(f[k, i, i])
+        rate = math.sqrt(square)
+        g[i] = math.sqrt(rate)
+        if abs(s[i]) > size or math.isnan(s[i]):
+            size = abs(s[i])
+        if rate < slow or math.isnan(rate):
+            slow = rate
+        if rate > fast or math.isnan(rate):
+            fast = rate
+    return size, slow, fast
 
 
 @kernel
