@@ -53,7 +53,8 @@ coefficients in pieces are taken likewise.
 Systems of several equations take minutes: --points 60x45 takes a quarter of the time for a first look.
 
 The unstable bands are listed, and in the figure a label 1+2·1 says modes 1 + 2, tongue 1: tongue m is where the
-frequency is about 2/m times that of one mode, or 1/m of the sum, or the difference, of two.
+frequency is about 2/m times that of one mode, or 1/m of the sum, or the difference, of two.  Tongues that merge in one
+band are listed below it, and labelled where they begin.
 
 A .png, .pdf or .svg file is a figure, a .csv file the vertices of the bands, a .npz file all the numbers
 (floquetrod.Chart.load reads it); give --out twice for both.  Growth is per unit of time, the unit of the period.

@@ -478,13 +478,20 @@ def bands_listed(bands: fr.results.Bands) -> str:
     columns = ("unstable", x, y, f"largest growth {_rate(bands.growth_unit)}", "at")
     fastest = sorted(bands, key=lambda band: 0.0 if math.isnan(band.largest_growth) else -band.largest_growth)
     rows = [
-        (
-            band.name or "band",
-            *(f"{values.min():.5g} to {values.max():.5g}" for values in (band.x, band.y)),
-            "not known" if math.isnan(band.largest_growth) else f"{band.largest_growth:.5g}",
-            f"{band.place[0]:.5g}, {band.place[1]:.5g}",
-        )
+        row
         for band in fastest[:_LISTED_BANDS]
+        for row in (
+            (
+                band.name or "band",
+                *(f"{values.min():.5g} to {values.max():.5g}" for values in (band.x, band.y)),
+                "not known" if math.isnan(band.largest_growth) else f"{band.largest_growth:.5g}",
+                f"{band.place[0]:.5g}, {band.place[1]:.5g}",
+            ),
+            *(
+                (f"  merged: {t.name}", "", "", "", f"begins at {t.place[0]:.5g}, {t.place[1]:.5g}")
+                for t in band.merged
+            ),
+        )
     ]
     more = len(bands) - _LISTED_BANDS
     rest = f"and {more:,} more, which grow more slowly: --json lists all" if more > 0 else ""
@@ -512,6 +519,16 @@ def bands_in_numbers(bands: fr.results.Bands) -> list[dict[str, Any]]:
             y: [float(band.y.min()), float(band.y.max())],
             growth: number(band.largest_growth),
             "at": list(band.place),
+            "merged": [
+                {
+                    "name": tongue.name,
+                    "mode": tongue.mode,
+                    "partner": tongue.partner,
+                    "tongue": tongue.tongue,
+                    "begins_at": list(tongue.place),
+                }
+                for tongue in band.merged
+            ],
         }
         for band in bands
     ]

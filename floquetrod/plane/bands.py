@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,35 @@ from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.plane.plane_axes import Axis
+
+
+class MergedTongue(NamedTuple):
+    """One of the resonance tongues that merge in a band.
+
+    Attributes
+    ----------
+    mode, partner, tongue
+        As of a `Band`.
+    place : tuple of float
+        (x, y) where it begins.
+    """
+
+    mode: int | None
+    partner: int | None
+    tongue: int | None
+    place: tuple[float, float]
+
+    @property
+    def name(self) -> str:
+        """Return its name, in the form of `Band.name`."""
+        return _name(self.mode, self.partner, self.tongue)
+
+
+def _name(mode: int | None, partner: int | None, tongue: int | None) -> str:
+    parts = [] if mode is None else [f"mode {mode}"]
+    if partner is not None:
+        parts = [f"modes {mode} {'+' if partner > 0 else '-'} {abs(partner)}"]
+    return ", ".join(parts if tongue is None else [*parts, f"tongue {tongue}"])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,6 +69,9 @@ class Band(ByContent):
         (x, y) where that is.
     partner : int or None
         The other mode of a combination resonance, negative of a difference; None where one mode grows alone.
+    merged : tuple of MergedTongue
+        The resonance tongues that merge in it, each named by what grows fastest half-way to where it meets another;
+        empty where it is of one tongue, and for bands between exact curves, which may overlap instead.
     """
 
     x: Floats
@@ -49,19 +81,18 @@ class Band(ByContent):
     largest_growth: float
     place: tuple[float, float]
     partner: int | None = None
+    merged: tuple[MergedTongue, ...] = ()
 
     @property
     def name(self) -> str:
         """Return, say, "mode 7, tongue 1" or "modes 1 + 2, tongue 1"; "" where neither is known."""
-        parts = [] if self.mode is None else [f"mode {self.mode}"]
-        if self.partner is not None:
-            parts = [f"modes {self.mode} {'+' if self.partner > 0 else '-'} {abs(self.partner)}"]
-        return ", ".join(parts if self.tongue is None else [*parts, f"tongue {self.tongue}"])
+        return _name(self.mode, self.partner, self.tongue)
 
     def __repr__(self) -> str:
         """Return name, size and fastest growth."""
         fastest = f"largest growth {self.largest_growth:.6g} at ({self.place[0]:.6g}, {self.place[1]:.6g})"
-        return f"<{self.name or 'band'}: {self.x.size} vertices, {fastest}>"
+        merged = f"; merged: {'; '.join(tongue.name for tongue in self.merged)}" if self.merged else ""
+        return f"<{self.name or 'band'}: {self.x.size} vertices, {fastest}{merged}>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -143,8 +174,19 @@ class Bands(NoTruthValue, ByContent):
     def scaled(self, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
         """Return the same bands over axes in other units, coordinates multiplied by the factors."""
         fx, fy = factors
+
+        def moved(found: Any) -> tuple[float, float]:
+            return found.place[0] * fx, found.place[1] * fy
+
         bands = tuple(
-            replace(band, x=band.x * fx, y=band.y * fy, place=(band.place[0] * fx, band.place[1] * fy)) for band in self
+            replace(
+                band,
+                x=band.x * fx,
+                y=band.y * fy,
+                place=moved(band),
+                merged=tuple(tongue._replace(place=moved(tongue)) for tongue in band.merged),
+            )
+            for band in self
         )
         resolution = self.resolution[0] * fx, self.resolution[1] * fy
         return replace(self, x=x.ends, y=y.ends, bands=bands, resolution=resolution)
@@ -229,9 +271,22 @@ class Bands(NoTruthValue, ByContent):
         return draw_bands(self, ax)
 
     def as_arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the bands as arrays: one entry a band, and ``x``, ``y`` with all vertices after each other."""
+        """Return the bands as arrays: one entry a band, and ``x``, ``y`` with all vertices after each other.
+
+        Those that begin with ``merged_`` have an entry for each tongue that merges in a band.
+        """
         nothing = [np.empty(0)]
+        tongues = [tongue for band in self for tongue in band.merged]
         return {
+            "merged_number": np.array([len(band.merged) for band in self], dtype=np.int64),
+            "merged_names": np.array(
+                [
+                    (-1 if mode is None else mode, partner or 0, -1 if tongue is None else tongue)
+                    for mode, partner, tongue, _ in tongues
+                ],
+                dtype=np.int64,
+            ).reshape(-1, 3),
+            "merged_place": np.array([tongue.place for tongue in tongues], dtype=np.float64).reshape(-1, 2),
             "size": np.array([band.x.size for band in self], dtype=np.int64),
             "mode": np.array([-1 if band.mode is None else band.mode for band in self], dtype=np.int64),
             "partner": np.array([band.partner or 0 for band in self], dtype=np.int64),
@@ -259,6 +314,7 @@ class Bands(NoTruthValue, ByContent):
         total = (int(size.sum()),)
         x, y = (sealed_files.field(arrays, name, np.float64, total, finite=True) for name in ("x", "y"))
         at = np.concatenate([[0], np.cumsum(size)]).tolist()
+        merged = _merged(arrays, size.size)
         return tuple(
             Band(
                 x[at[i] : at[i + 1]],
@@ -268,6 +324,24 @@ class Bands(NoTruthValue, ByContent):
                 float(growth[i]),
                 (float(place[i, 0]), float(place[i, 1])),
                 int(partner[i]) or None,
+                merged[i],
             )
             for i in range(size.size)
         )
+
+
+def _merged(arrays: Mapping[str, NDArray[Any]], bands: int) -> list[tuple[MergedTongue, ...]]:
+    """Return the merged tongues of each band of a file, none for files that do not hold them."""
+    if "merged_number" not in arrays:
+        return [()] * bands
+    number = sealed_files.field(arrays, "merged_number", np.int64, (bands,))
+    if (number < 0).any():
+        raise ValueError("a band has a negative number of merged tongues")
+    names = sealed_files.field(arrays, "merged_names", np.int64, (int(number.sum()), 3)).tolist()
+    place = sealed_files.field(arrays, "merged_place", np.float64, (len(names), 2), finite=True).tolist()
+    tongues = [
+        MergedTongue(None if mode < 0 else mode, partner or None, None if tongue < 0 else tongue, (x, y))
+        for (mode, partner, tongue), (x, y) in zip(names, place, strict=True)
+    ]
+    ends = np.cumsum(number).tolist()
+    return [tuple(tongues[end - count : end]) for end, count in zip(ends, number.tolist(), strict=True)]

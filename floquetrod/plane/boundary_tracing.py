@@ -6,9 +6,10 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
-from floquetrod.plane.bands import Band
+from floquetrod.plane.bands import Band, MergedTongue
 from floquetrod.plane.contours import crossings
-from floquetrod.plane.family import Family, FoundBands
+from floquetrod.plane.family import Family, FoundBands, Names
+from floquetrod.plane.merging import merging_tongues
 from floquetrod.plane.places import OutOfBudget, Plane
 from floquetrod.plane.plane_axes import Axis
 from floquetrod.plane.polygons import contains, with_holes_joined
@@ -73,8 +74,23 @@ def _band(plane: Plane, ring: Floats, unstable: Floats, least: Floats) -> Band:
     place, growth = _fastest(plane, ring, unstable, least)
     vertices, at = plane.places(ring), plane.places(place[None])[0]
     where = float(at[0]), float(at[1])
-    mode, partner, tongue = plane.family.name(*where)
-    return Band(vertices[:, 0], vertices[:, 1], mode, tongue, growth, where, partner)
+    mode, partner, tongue = names = plane.family.name(*where)
+    merged = _merged(plane, ring, names)
+    return Band(vertices[:, 0], vertices[:, 1], mode, tongue, growth, where, partner, merged)
+
+
+def _merged(plane: Plane, ring: Floats, fastest: Names) -> tuple[MergedTongue, ...]:
+    """Return the named tongues that merge in a ring, each name once; none where all are what grows fastest in it."""
+    feet = merging_tongues(ring)
+    if len(feet) < 2:
+        return ()
+    tips, inside = (plane.places(np.array(places)).tolist() for places in zip(*feet, strict=True))
+    named: dict[Names, MergedTongue] = {}
+    for (x, y), place in zip(tips, inside, strict=True):
+        names = plane.family.name(*place)
+        if names != (None, None, None):
+            named.setdefault(names, MergedTongue(*names, (x, y)))
+    return tuple(named.values()) if named.keys() - {fastest} else ()
 
 
 def _rates(plane: Plane, shares: Floats) -> Floats:

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
-from floquetrod.plotting import labels, palette, shapes
+from floquetrod.plotting import palette, shapes
 from floquetrod.plotting.chart_plot import NAMES
+from floquetrod.plotting.leaders import name_bands
 from floquetrod.units import Unit, label
 
 UNKNOWN = -2
@@ -123,7 +124,7 @@ class Map:
             scaled = view.bands.scaled(view.bands.x, view.bands.y, factors)
             before = list(self._ax.get_children())
             shapes.fill(self._ax, scaled, palette.UNSTABLE)
-            labels.add_labels(self._ax, scaled.bands, halo=False)
+            name_bands(self._ax, scaled.bands, halo=False)
             self._drawn = [artist for artist in self._ax.get_children() if artist not in before]
         return changed
 

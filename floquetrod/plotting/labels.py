@@ -30,20 +30,30 @@ def label(band: Any) -> str:
 
 def explanation(bands: Sequence[Any]) -> str:
     """Return what labels mean, by an example where they are of two numbers; "" where there are none."""
-    known = [band for band in bands if label(band)]
+    named = [(tongue, 0.0) for band in bands for tongue in band.merged]
+    named += [(band, _area(band)) for band in bands if not band.merged]
+    known = [(band, area) for band, area in named if label(band)]
     if not known:
         return ""
-    both = [band for band in known if band.mode is not None and band.tongue is not None]
-    if both:
-        shown = max(both, key=lambda band: (band.tongue > 0, _area(band)))  # tongue 0 has no room for its name at times
+    both = [(band, area) for band, area in known if band.mode is not None and band.tongue is not None]
+    if both:  # tongue 0 has no room for its name at times
+        shown, _ = max(both, key=lambda entry: (entry[0].tongue > 0, entry[1], entry[0].partner is not None))
         return f"labels mode·tongue: {label(shown)} is {shown.name}"
-    return "labels: modes" if known[0].mode is not None else "labels: tongues"
+    return "labels: modes" if known[0][0].mode is not None else "labels: tongues"
 
 
-def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str], str] | None = None) -> None:
+def add_labels(
+    ax: Any,
+    bands: Sequence[Any],
+    *,
+    halo: bool,
+    note: Callable[[str], str] | None = None,
+    others: Sequence[Any] = (),
+) -> None:
     """Name the bands in axes whenever these are drawn; ``halo``: letters are edged, for areas that may be dark.
 
-    ``note`` makes the note over the legend of what a label means, which then is explained by one that is drawn.
+    ``note`` makes the note over the legend of what a label means, which then is explained by one that is drawn, or by
+    one of the ``others``, bands that are named elsewhere.
     """
     named = sorted((band for band in bands if label(band)), key=_area, reverse=True)[:_MOST]
     if not named:
@@ -51,7 +61,7 @@ def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str
     drawn = _artists().labels([label(band) for band in named], named, halo)
     ax.add_artist(drawn)
     if note is not None:
-        ax.add_artist(_artists().note(drawn, lambda shown: note(explanation([named[i] for i in shown]))))
+        ax.add_artist(_artists().note(drawn, lambda shown: note(explanation([*(named[i] for i in shown), *others]))))
 
 
 def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) -> list[tuple[float, float] | None]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from floquetrod._util.arrays import Floats
 from floquetrod.plotting import palette
-from floquetrod.plotting.labels import Mask, cells_inside, free_cells
+from floquetrod.plotting.labels import Mask, add_labels, cells_inside, free_cells, label
 
 _CELL = 2.0  # side in points of the cells in which room is searched for (a choice)
 _ROOM = 4.0  # points around a label (a choice)
@@ -37,6 +37,17 @@ def add_leaders(
     """
     if names:
         ax.add_artist(_artist()(names, points, shapes, farthest))
+
+
+def name_bands(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str], str] | None = None) -> None:
+    """Name bands inside them, and each of the tongues that merge in one beside the place where it begins.
+
+    As `floquetrod.plotting.labels.add_labels`.
+    """
+    merging = [band for band in bands if band.merged]
+    tongues = [tongue for band in merging for tongue in band.merged]
+    add_labels(ax, [band for band in bands if not band.merged], halo=halo, note=note, others=merging)
+    add_leaders(ax, [label(tongue) for tongue in tongues], [tongue.place for tongue in tongues], bands)
 
 
 def nearest_room(free: Mask, point: Floats, size: Floats) -> Floats | None:

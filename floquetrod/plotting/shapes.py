@@ -19,6 +19,7 @@ from floquetrod.plotting.chart_plot import (
     growth_label,
     title,
 )
+from floquetrod.plotting.leaders import name_bands
 
 _LINE = 0.6
 """Width in points of a band's edge, and of a band thinner than that."""
@@ -35,7 +36,7 @@ def draw_bands(bands: Any, ax: Any = None) -> Any:
     def note(explanation: str) -> str:
         return "; ".join(filter(None, [bands.caption, explanation]))
 
-    labels.add_labels(ax, bands.bands, halo=False, note=lambda explanation: filled(ax, note(explanation)))
+    name_bands(ax, bands.bands, halo=False, note=lambda explanation: filled(ax, note(explanation)))
     _frame(ax, bands, "unstable bands", note(labels.explanation(bands.bands)), colours("unstable", "stable"))
     return ax
 
@@ -64,7 +65,7 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
         return "; ".join(filter(None, [caption, explanation, chart.criterion, undecided]))
 
     halo = chart.growth_rate is not None
-    labels.add_labels(ax, bands.bands, halo=halo, note=lambda explanation: filled(ax, note(explanation)))
+    name_bands(ax, bands.bands, halo=halo, note=lambda explanation: filled(ax, note(explanation)))
     _frame(ax, bands, title(chart), note(labels.explanation(bands.bands)), areas(chart))
     return ax
 
