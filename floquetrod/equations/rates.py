@@ -79,7 +79,8 @@ class RateFunction:
 
     def values(self, times: Floats, states: NDArray[Any], parameters: Parameters) -> Floats:
         """Return the rates (k, n) at times (k,) and states (k, n), which may be complex."""
-        self.start(float(times[0]), states[0].real, parameters)
+        if self._order != states.shape[1] or not self._at_once:
+            self.start(float(times[0]), states[0].real, parameters)
         with np.errstate(all="ignore"):
             return self._all("function", self.function, times, states, parameters)
 
@@ -191,7 +192,7 @@ class RateFunction:
             values = np.broadcast_to(returned if returned.ndim > len(shape) else returned[..., None], (*shape, count))
             return np.ascontiguousarray(np.moveaxis(values, -1, 0))
         values = np.empty((count, *shape), dtype=states.dtype)
-        _fill(values.transpose((*range(1, len(shape) + 1), 0)), returned, len(shape))
+        _fill(values.T if name == "function" else values.transpose(1, 2, 0), returned, len(shape))
         return values
 
     def _singly(self, name: str, call: Any, times: Floats, states: NDArray[Any], parameters: Parameters) -> Any:

@@ -16,6 +16,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.orbits.kernels import interval_cycle
 
+_NO_STAGES = np.empty((0, 0, 0, 0))
 _FAMILY = 1e-10  # of the largest singular value: one below it is zero, and orbits form a family (a choice)
 
 
@@ -111,22 +112,26 @@ def solve_by(
     corner: Floats,
     targets: Floats,
     scale: Floats,
-) -> tuple[Floats, Floats]:
+    inner: Floats = _NO_STAGES,
+    constant: float = 0.0,
+) -> tuple[Floats, Floats, Floats | None]:
     """Return the unknowns (N, n, q) and the scalars (S, q) by the kernel, which scales the states by ``scale`` (n,).
 
-    Other arguments as in `solve`.
+    And what the first right side changes at the Gauss points (N, m, n), by ``inner`` (N, m, n, n + 1 + S) and a
+    ``constant``; None where the equations are nearly singular.  Other arguments as in `solve`.
     """
     n, scalars, count = maps.shape[1], columns.shape[2], right.shape[2]
     width = n + scalars + count
     states, left, units = np.empty((len(maps), n, width)), np.empty((n + scalars, width)), np.empty(scalars)
-    nodes, free = np.empty(right.shape), np.empty((scalars, count))
-    outcome = run(maps, columns, right, rows, corner, targets, scale, states, left, units, nodes, free)
+    nodes, free, stages = np.empty(right.shape), np.empty((scalars, count)), np.empty(inner.shape[:3])
+    given = maps, columns, right, rows, corner, targets, scale, inner, constant
+    outcome = run(*given, states, left, units, nodes, free, stages)
     if outcome == interval_cycle.SINGULAR:
         raise np.linalg.LinAlgError("singular")
     if outcome == interval_cycle.NEARLY_SINGULAR:
         solution = _of_core(states, left[:, : n + scalars], -left[:, n + scalars :])
-        return solution.nodes * scale[:, None], solution.scalars * units[:, None]
-    return nodes, free
+        return solution.nodes * scale[:, None], solution.scalars * units[:, None], None
+    return nodes, free, stages
 
 
 def _of_core(unknowns: Floats, core: Floats, known: Floats) -> BorderedSolution:

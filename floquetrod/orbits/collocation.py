@@ -44,7 +44,7 @@ from floquetrod.orbits.kernels import gauss_points, interval_cycle, machine_code
 
 _LEAST_SCALE = 1e-6  # of a state, part of the largest
 _MOST_ITERATIONS = 8
-_ROUNDING = 4.0 * EPS  # of a change of the states
+_ROUNDING = 16.0 * EPS  # of a change of the states
 _FEW = 8  # systems with other values of the parameter that are cached
 _PARAMETER_STEP = 1e-5  # of central differences in a parameter, relative: good to about 10 digits
 
@@ -233,10 +233,10 @@ class Collocation(ByContent):
         method, rates = gauss(self.degree), self.rates(point) if rates is None else rates
         lengths = point.period * self.steps
         missed = np.empty((len(point.nodes), self.degree + 1, point.nodes.shape[1]))
-        run = self._kernel(gauss_points.residual_fill, point)
+        run = self.machine_code_of(gauss_points.residual_fill, point)
         if run is not None:
-            growth = np.array(self.winding or (0.0,) * point.nodes.shape[1])
-            run(lengths, method.integrals, method.weights, point.nodes, point.stages, rates, growth, missed)
+            given = lengths, method.integrals, method.weights, point.nodes, point.stages, rates
+            run(*given, self._growth(point.nodes.shape[1]), missed)
             return missed
         moved = lengths[:, None, None] * (method.integrals @ rates)
         missed[:, :-1] = point.stages - point.nodes[:, None] - moved
@@ -245,6 +245,10 @@ class Collocation(ByContent):
             ends[-1] += self.winding
         missed[:, -1] = ends - point.nodes - lengths[:, None] * (method.weights @ rates)
         return missed
+
+    def _growth(self, order: int) -> Floats:
+        """Return by how much each state grows in a period (n,)."""
+        return np.array(self.winding) if self.winding else np.zeros(order)
 
     def linearised(
         self,
@@ -261,7 +265,7 @@ class Collocation(ByContent):
         rates = self.rates(point) if rates is None else rates
         residual = self.residual(point, rates) if residual is None else residual
         drives = self._drives(point, rates, by_parameter)
-        run = self._kernel(gauss_points.condense_fill, point)
+        run = self.machine_code_of(gauss_points.condense_fill, point)
         way = self._condensed_together if run is None else functools.partial(self._condensed_by, run)
         return way(point.period * self.steps, residual, rates, jacobians, drives)
 
@@ -353,7 +357,7 @@ class Collocation(ByContent):
         inner[..., n] = changes.reshape(count, m, n)
         return condensed._replace(gaps=gaps, inner=inner, residual=residual, rates=rates)
 
-    def _kernel(self, function: Callable[..., Any], point: Point) -> Callable[..., Any] | None:
+    def machine_code_of(self, function: Callable[..., Any], point: Point) -> Callable[..., Any] | None:
         """Return the machine code of a kernel for a branch of few equations; None where LAPACK does its work."""
         few = self.parameter is not None and point.nodes.shape[1] <= kernels.MOST_EQUATIONS
         return machine_code(function) if few else None
@@ -374,9 +378,8 @@ class Collocation(ByContent):
         where a state passes through zero.  ``flow`` (N, n) is the velocity at the mesh, if it is known.
         """
         scale = reference.scale if scale is None else scale
-        nodes = self.weights[:, None] * (self.rates_at_mesh(reference) if flow is None else flow) / scale**2
-        scaled = nodes * scale
-        nodes = nodes / math.sqrt(float(np.vdot(scaled, scaled)))
+        scaled = self.weights[:, None] * (self.rates_at_mesh(reference) if flow is None else flow) / scale
+        nodes = scaled / (scale * math.sqrt(float(np.vdot(scaled, scaled))))
         return BorderRow(nodes, np.zeros(len(self.scalars)), float(np.vdot(nodes, reference.nodes)))
 
     def values(self, point: Point) -> Floats:
@@ -392,7 +395,7 @@ class Collocation(ByContent):
         ``scale`` (n,) is that of the point, if it is known.
         """
         scalars = self.values(point)
-        missed = [row.target - float(np.vdot(row.nodes, point.nodes) + row.scalars @ scalars) for row in rows]
+        missed = [row.target - (np.vdot(row.nodes, point.nodes) + np.vdot(row.scalars, scalars)) for row in rows]
         return self._step(
             condensed, rows, point.scale if scale is None else scale, condensed.gaps, np.array(missed), 1.0
         )
@@ -412,8 +415,8 @@ class Collocation(ByContent):
         """
         run = machine_code(interval_cycle.bordered_fill) if condensed.pivots is not None else None
         if run is not None:
-            ties, corner = self._border(condensed, rows)
-            return bordered.solve_by(run, condensed.maps, condensed.columns, gaps, ties, corner, targets, scale)
+            border = self._border(condensed, rows)
+            return bordered.solve_by(run, condensed.maps, condensed.columns, gaps, *border, targets, scale)[:2]
         solution, units = self._bordered(condensed, rows, scale, gaps, targets)
         return solution.nodes * scale[:, None], solution.scalars * units[:, None]
 
@@ -455,6 +458,13 @@ class Collocation(ByContent):
         constant: float,
     ) -> Step:
         """Return the solution of the linearised equations, at the Gauss points too."""
+        run = machine_code(interval_cycle.bordered_fill) if condensed.pivots is not None else None
+        if run is not None:
+            given = condensed.maps, condensed.columns, gaps[:, :, None], *self._border(condensed, rows)
+            at_mesh, free, stages = bordered.solve_by(run, *given, targets[:, None], scale, condensed.inner, constant)
+            if stages is None:
+                return self._with_stages(condensed, at_mesh[:, :, 0], free[:, 0], constant)
+            return Step(at_mesh[:, :, 0], stages, free[:, 0])
         nodes, scalars = self.responses(condensed, rows, scale, gaps[:, :, None], targets[:, None])
         return self._with_stages(condensed, nodes[:, :, 0], scalars[:, 0], constant)
 
@@ -462,11 +472,6 @@ class Collocation(ByContent):
     def _with_stages(condensed: Condensed, nodes: Floats, scalars: Floats, constant: float) -> Step:
         """Return a step at the Gauss points, too, from that at the mesh."""
         n, factors = nodes.shape[1], condensed.inner
-        run = machine_code(gauss_points.stages_fill) if condensed.pivots is not None else None
-        if run is not None:
-            changes = np.empty(factors.shape[:3])
-            run(factors, nodes, constant, scalars, changes)
-            return Step(nodes, changes, scalars)
         shares = np.empty((len(nodes), factors.shape[3], 1))
         shares[:, :n, 0], shares[:, n, 0], shares[:, n + 1 :, 0] = nodes, constant, scalars
         stages = factors.reshape(len(nodes), -1, factors.shape[3]) @ shares

@@ -347,7 +347,7 @@ def _sampled(equations: CriticalEquations, solved: Solved, pinned: tuple[str, fl
 def _blur(equations: CriticalEquations, solved: Solved, states: float) -> float:
     """Return a bound of the error of g by errors of the maps, of derivatives and of states, and by rounding."""
     condensed, scale = solved.linear.condensed, equations.scale
-    _, doubted = finding.doubts(solved.orbit.collocation, solved.orbit.point, condensed, states)
+    doubted, _ = finding.doubts(solved.orbit.collocation, solved.orbit.point, condensed, states, condensed.maps)
     doubted = doubted + 8.0 * len(scale) * EPS * np.abs(condensed.maps)
     return float((solved.linear.blur * doubted / scale[:, None] * scale).sum())
 

@@ -10,6 +10,8 @@ import numpy as np
 from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
 
+_LARGEST = 709.0  # logarithm of a multiplier that is not infinite as a double
+
 
 class OrbitMultipliers(NamedTuple):
     """Multipliers of an orbit, its own motion's set aside, and errors; NaN where they are not known."""
@@ -43,17 +45,21 @@ def multipliers_of(orbit: PeriodicOrbit) -> OrbitMultipliers:
     if orbit.spectrum.status is None:
         stability = orbit.stability
         return OrbitMultipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
-    growth, angles, errors = logs.values.real, logs.values.imag, logs.errors
-    known, turned = np.isfinite(errors), np.abs(angles) >= math.pi * (1.0 - EPS)
-    with np.errstate(over="ignore"):
-        sizes = np.exp(growth)
-    values = np.empty(len(sizes), dtype=np.complex128)
-    values.real = np.where(turned, -sizes, sizes * np.cos(angles))  # the half turn is exact, its sine is not
-    values.imag = np.where(turned | (angles == 0.0), 0.0, sizes * np.sin(angles))
-    values[~known] = np.nan
-    errors = np.where(known, sizes * np.expm1(np.minimum(errors + 4.0 * EPS * np.abs(logs.values), 700.0)), np.inf)
-    order = np.lexsort((angles, np.where(known, -growth, np.inf)))
-    return OrbitMultipliers(values[order], errors[order])
+    every = zip(logs.values.tolist(), logs.errors.tolist(), strict=True)
+    ordered = sorted(every, key=lambda each: (-each[0].real if math.isfinite(each[1]) else math.inf, each[0].imag))
+    values, errors = zip(*(_multiplier(log, error) for log, error in ordered), strict=True) if ordered else ((), ())
+    return OrbitMultipliers(np.array(values, dtype=np.complex128), np.array(errors, dtype=np.float64))
+
+
+def _multiplier(log: complex, error: float) -> tuple[complex, float]:
+    """Return a multiplier and its error from its logarithm and the error of that; NaN where this is not known."""
+    if not math.isfinite(error):
+        return complex(math.nan, 0.0), math.inf
+    size = math.exp(log.real) if log.real < _LARGEST else math.inf
+    blur = size * math.expm1(min(error + 4.0 * EPS * abs(log), 700.0))
+    if abs(log.imag) >= math.pi * (1.0 - EPS):  # the half turn is exact, its sine is not
+        return complex(-size, 0.0), blur
+    return complex(size * math.cos(log.imag), size * math.sin(log.imag) if log.imag else 0.0), blur
 
 
 def tests(multipliers: OrbitMultipliers, turning: float) -> Tests:
@@ -100,6 +106,8 @@ def _factors(multipliers: OrbitMultipliers, test: str) -> tuple[Complexes, Float
         return values, errors
     if test == "minus":
         return -values, errors
+    if len(values) < 2:
+        return values[:0], errors[:0]
     i, j = np.triu_indices(len(values), 1)
     sizes = np.abs(values)
     with np.errstate(over="ignore", invalid="ignore"):  # of errors that are not known

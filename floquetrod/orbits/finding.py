@@ -15,6 +15,7 @@ from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits import orbit_guesses, orbit_mesh
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, gauss
+from floquetrod.orbits.kernels import orbit_errors
 from floquetrod.orbits.newton import Corrected, Known, NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_multipliers import Segments
@@ -343,19 +344,16 @@ def comparison(
     of_scalars: dict[str, float],
 ) -> Compared:
     """Return an orbit of a degree two higher on the same mesh, with errors from the difference and from rounding."""
-    gaps = np.abs(orbit_mesh.evaluated_within(finer.point, _TRIALS) - orbit_mesh.evaluated_within(point, _TRIALS))
-    nodes = np.abs(finer.point.nodes - point.nodes)
-    scale = finer.point.scale
-    errors = np.maximum((gaps / scale).max(axis=(1, 2)), (nodes / scale).max(axis=1))
-    doubt, moved = doubts(fine, finer.point, finer.condensed, rounding)
-    trace, before = _trace(fine, finer.condensed.jacobians), _trace(collocation, condensed.jacobians)
-    before *= point.period / finer.point.period
+    errors = orbit_mesh.differences(fine, finer.point, point, _TRIALS)
+    moved, doubt = doubts(fine, finer.point, finer.condensed, rounding, condensed.maps)
+    trace = finer.point.period * _trace(fine, finer.condensed.jacobians)
+    before = point.period * _trace(collocation, condensed.jacobians)
     segments = Segments(
         finer.condensed.maps,
-        2.0 * np.abs(finer.condensed.maps - condensed.maps) + moved,
+        moved,
         None if fine.turns else fine.rates_at_mesh(finer.point),
-        finer.point.period * trace,
-        finer.point.period * (2.0 * abs(trace - before) + _trace(fine, doubt)),
+        trace,
+        2.0 * abs(trace - before) + doubt,
     )
     return Compared(
         fine,
@@ -389,15 +387,26 @@ def _trace(collocation: Collocation, matrices: Floats) -> float:
     return float(collocation.steps @ np.einsum("ikaa->ik", matrices) @ gauss(collocation.degree).weights)
 
 
-def doubts(collocation: Collocation, point: Point, condensed: Condensed, rounding: float) -> tuple[Floats, Floats]:
-    """Return the errors of the derivatives along the orbit, and what they make of the maps, entry by entry."""
+def doubts(
+    collocation: Collocation, point: Point, condensed: Condensed, rounding: float, coarse: Floats
+) -> tuple[Floats, float]:
+    """Return the errors of the maps, entry by entry, and of the integral of the trace of derivatives over the period.
+
+    From twice the difference from ``coarse`` maps, and from errors of the derivatives along the orbit.
+    """
     jacobians, moved = condensed.jacobians, point._replace(stages=point.stages + 1e-6 * point.scale)
-    change = np.abs(collocation.jacobians(moved) - jacobians) * (rounding / 1e-6)
-    doubt = change + collocation.system.evaluated.derivatives_error * np.abs(jacobians)
-    lengths = (point.period * collocation.steps)[:, None, None]
-    mean = lengths * np.einsum("k,ikab->iab", gauss(collocation.degree).weights, doubt)
-    stretch = np.linalg.norm(lengths * np.abs(jacobians).max(axis=1), axis=(1, 2))
-    return doubt, np.asarray(mean * np.exp(np.minimum(stretch, 5.0))[:, None, None])
+    there, share = collocation.jacobians(moved), rounding / 1e-6
+    lengths, weights = point.period * collocation.steps, gauss(collocation.degree).weights
+    relative = collocation.system.evaluated.derivatives_error
+    run = collocation.machine_code_of(orbit_errors.doubts_fill, point)
+    if run is not None:
+        errors = np.empty(coarse.shape)
+        return errors, run(lengths, weights, jacobians, there, share, relative, condensed.maps, coarse, errors)
+    doubt = np.abs(there - jacobians) * share + relative * np.abs(jacobians)
+    mean = lengths[:, None, None] * np.einsum("k,ikab->iab", weights, doubt)
+    stretch = np.linalg.norm(lengths[:, None, None] * np.abs(jacobians).max(axis=1), axis=(1, 2))
+    errors = 2.0 * np.abs(condensed.maps - coarse) + mean * np.exp(np.minimum(stretch, 5.0))[:, None, None]
+    return errors, point.period * _trace(collocation, doubt)
 
 
 def _finished(finer: Any, steps: int) -> PeriodicOrbit:

@@ -73,8 +73,9 @@ def corrected(
                 condensed = collocation.recondensed(condensed, point, rates, residual)
             else:
                 condensed, scale = collocation.linearised(point, rates, residual, by_parameter), point.scale
-            step = _step(collocation, condensed, rows, point, scale, count)
-            size = step_size(step, point, scale)
+            step, size = _step(collocation, condensed, rows, point, scale, count)
+            if not chord and size <= _ROUNDING and stage_size(step, point, scale) <= _ROUNDING:
+                return Corrected(collocation.moved(point, step), condensed, count)
             sure = NEARLY < size <= _SMALL and size < 0.5 * before
             start = point
             point, rates, residual = _followed(collocation, point, step, condensed, scale, count, sure)
@@ -101,15 +102,16 @@ def stage_size(step: Step, point: Point, scale: Floats) -> float:
 
 def _step(
     collocation: Collocation, condensed: Condensed, rows: Sequence[BorderRow], point: Point, scale: Floats, count: int
-) -> Step:
-    """Return the whole step."""
+) -> tuple[Step, float]:
+    """Return the whole step and its size."""
     try:
         step = collocation.solved(condensed, rows, point, scale)
     except np.linalg.LinAlgError:
         raise _lost(collocation, point, f"in step {count}, where the equations are singular") from None
-    if not (math.isfinite(np.abs(step.nodes).max()) and np.isfinite(step.scalars).all()):
+    size = step_size(step, point, scale)
+    if not (math.isfinite(size) and all(map(math.isfinite, step.scalars.tolist()))):
         raise _lost(collocation, point, f"in step {count}, where the function is not finite")
-    return step
+    return step, size
 
 
 def _followed(
@@ -123,7 +125,7 @@ def _followed(
     share = 1.0
     while share >= _LEAST_SHARE:
         trial = collocation.moved(point, step, share)
-        if trial.period > 0.0 and np.isfinite(trial.nodes).all():
+        if trial.period > 0.0 and (sure or np.isfinite(trial.nodes).all()):
             rates = collocation.rates(trial)
             residual = collocation.residual(trial, rates)
             if sure:

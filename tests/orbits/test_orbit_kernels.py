@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.orbits import bordered
+from floquetrod.orbits import bordered, finding, orbit_mesh
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, Step
 from floquetrod.orbits.kernels import interval_cycle
 from tests.conftest import needs_jit
@@ -69,6 +69,30 @@ def test_equations_are_eliminated_as_by_lapack(function: Any, equations: int, tu
             assert np.allclose(value, getattr(same, name), rtol=1e-9, atol=1e-9), name
 
 
+@pytest.mark.parametrize(("function", "equations"), [(growing, 1), (van_der_pol, 2), (roessler, 3)])
+def test_errors_on_a_mesh_are_as_by_numpy(function: Any, equations: int, tuned: Tuned) -> None:
+    given, point = unknown_mu(function, equations)
+    mesh = np.concatenate([given.mesh[:-1] ** 1.3, [1.0]])
+    coarse, there = orbit_mesh.carried(given, point, mesh, 6)
+    fine, start = orbit_mesh.carried(coarse, there, mesh, 8)
+    finer = start._replace(nodes=1.001 * start.nodes, stages=start.stages + 0.01 * np.sin(start.stages))
+    known = errors_of(coarse, there, fine, finer, tuned, None)
+    for mine, theirs in zip(errors_of(coarse, there, fine, finer, tuned, lambda kernel: kernel), known, strict=True):
+        assert np.allclose(mine, theirs, rtol=1e-9, atol=1e-300)
+    assert [len(each) for each in known[:2]] == [8, 8]
+
+
+def errors_of(coarse: Collocation, point: Point, fine: Collocation, finer: Point, tuned: Tuned, kernels: Any) -> Any:
+    """Return errors and densities of intervals, a new mesh, differences, and errors of maps and of the trace."""
+    tuned(orbit_kernels=kernels or (lambda kernel: None))
+    condensed = fine.linearised(finer)
+    needs = orbit_mesh._needs(coarse, point, coarse.jacobians(point), 1e-10)
+    mesh = orbit_mesh.adapted(coarse, point, coarse.jacobians(point), 1e-10)
+    assert mesh is not None
+    doubts = finding.doubts(fine, finer, condensed, 1e-9, 0.999 * condensed.maps)
+    return *needs, mesh, orbit_mesh.differences(fine, finer, point, (0.08, 0.29, 0.92)), *doubts
+
+
 @pytest.mark.parametrize("equations", [1, 2, 3])
 @pytest.mark.parametrize("scalars", [0, 1, 2])
 def test_a_bordered_cycle_is_solved_as_by_lapack(equations: int, scalars: int) -> None:
@@ -80,7 +104,7 @@ def test_a_bordered_cycle_is_solved_as_by_lapack(equations: int, scalars: int) -
     rows, corner = rng.normal(size=(scalars, count, n)), rng.normal(size=(scalars, scalars))
     targets, scale = rng.normal(size=(scalars, sides)), rng.uniform(0.5, 2.0, n)
     given = maps, columns, right, rows, corner, targets
-    nodes, free = bordered.solve_by(interval_cycle.bordered_fill, *given, scale)
+    nodes, free, _ = bordered.solve_by(interval_cycle.bordered_fill, *given, scale)
     missed = np.roll(nodes, -1, axis=0) - maps @ nodes - columns @ free - right
     assert np.abs(missed).max() <= 1e-11 * (1.0 + np.abs(nodes).max() * 100.0)
     assert np.allclose(np.einsum("sin,inq->sq", rows, nodes) + corner @ free, targets, atol=1e-9)
@@ -94,7 +118,7 @@ def test_a_family_of_orbits_takes_the_shortest_step() -> None:
     none = np.zeros((0, 4, 2)), np.zeros((0, 0)), np.zeros((0, 1))
     maps[0] = [[1.0, 1.0], [0.0, 1.0]]
     right[0] = [[1.0], [0.0]]
-    nodes, _ = bordered.solve_by(interval_cycle.bordered_fill, maps, np.zeros((4, 2, 0)), right, *none, np.ones(2))
+    nodes, *_ = bordered.solve_by(interval_cycle.bordered_fill, maps, np.zeros((4, 2, 0)), right, *none, np.ones(2))
     assert np.allclose(nodes[0, :, 0], [0.0, -1.0])
 
 

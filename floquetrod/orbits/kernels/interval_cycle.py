@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.compilation import kernel
+from floquetrod.orbits.kernels.gauss_points import stages_fill
 
 LARGEST_CONDITION = 1e8
 """Product of the norms of the last equations' matrix and its inverse, far from one whose zeros `bordered` sets aside (a
@@ -149,10 +150,13 @@ def cycle_fill(equations: Any, states: Any, left: Any) -> bool:
 
 @kernel
 def bordered_fill(
-    maps: Any, columns: Any, gaps: Any, rows: Any, corner: Any, targets: Any, scale: Any,
-    states: Any, left: Any, units: Any, nodes: Any, free: Any,
+    maps: Any, columns: Any, gaps: Any, rows: Any, corner: Any, targets: Any, scale: Any, inner: Any, constant: float,
+    states: Any, left: Any, units: Any, nodes: Any, free: Any, stages: Any,
 ) -> int:  # fmt: skip
     """Solve the equations with a border: fill ``nodes`` (N, n, q) and ``free`` (S, q).
+
+    And ``stages`` (N, m, n) with the changes at the Gauss points that the first solution makes, by ``inner`` and the
+    factor ``constant`` as in `gauss_points.stages_fill`; none where ``inner`` has no rows.
 
     The maps (N, n, n), the columns of the scalars (N, n, S) and the right sides ``gaps`` (N, n, q) are those of the
     equations; the border is rows (S, N, n) times the states plus ``corner`` (S, S) times the scalars, equal to
@@ -219,4 +223,5 @@ def bordered_fill(
                 nodes[i, a, q] = total * scale[a]
         for s in range(scalars):
             free[s, q] = answer[n + s] * units[s]
+    stages_fill(inner, nodes[:, :, 0], constant, free[:, 0], stages)
     return 0
