@@ -1,7 +1,8 @@
 """Compiled elimination of the linearised equations along branches of orbits, and errors of orbits on their meshes.
 
-Branches take kernels, single orbits LAPACK and numpy for all intervals at once: a branch solves hundreds of systems, and
-an orbit is found before numba is loaded.  So the digits of an answer do not depend on what a process has done before.
+Branches take kernels, single orbits LAPACK and numpy for all intervals at once: a branch solves hundreds of systems,
+and an orbit is found before numba is loaded.  So the digits of an answer do not depend on what a process has done
+before.
 """
 
 from __future__ import annotations
