@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from floquetrod import units as known
 from floquetrod._util import validate
@@ -17,6 +17,9 @@ from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.rod_in_words import section_in_words, size_in_words, special_parameters
 from floquetrod.units import AnswerUnits, Unit
+
+if TYPE_CHECKING:
+    from floquetrod.rod.answers.stability_intervals import BandBeyond
 
 ReportLine = tuple[str, str]
 """A label and a text."""
@@ -148,21 +151,32 @@ def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit]) -> list[R
     return lines
 
 
-def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapping[str, Unit]) -> list[ReportLine]:
-    """Return how far a load is from a change of the verdict."""
+def margin_lines(
+    margins: Mapping[Quantity, Margin],
+    status: Status,
+    shown: Mapping[str, Unit],
+    beyond: Callable[[Quantity, float], BandBeyond | None],
+) -> list[ReportLine]:
+    """Return how far a load is from a change of the verdict, and the band ``beyond`` a change of a quantity."""
     require_margins(margins)
     change = {"stable": "unstable", "unstable": "stable"}.get(status, "decided")
     lines: list[ReportLine] = []
     for name, margin in margins.items():
-        sides = [(margin.below, "lower"), (margin.above, "higher")]
-        changes = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
+        changes = []
+        for distance, way in ((-margin.below, "lower"), (margin.above, "higher")):
+            if math.isfinite(distance):
+                band = beyond(name, distance)
+                grows = f" ({band.words})" if band else ""
+                changes.append(f"{shown[name].show(abs(distance), 4)} {way}{grows}")
         words = f"{change} {' or '.join(changes)}" if changes else _unchanged(margin, name, shown[name])
         lines.append(("" if lines else "margins", f"{LOAD[name].words:<11} {words}"))
     return lines
 
 
-def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
-    """Return margins as numbers for JSON."""
+def margins_as_dict(
+    margins: Mapping[Quantity, Margin], beyond: Callable[[Quantity, float], BandBeyond | None]
+) -> dict[str, Any]:
+    """Return margins as numbers for JSON, and the bands ``beyond`` them by "below" and "above"."""
     require_margins(margins)
     numbers: dict[str, Any] = {}
     for quantity, margin in margins.items():
@@ -170,6 +184,12 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
         kinds = ("below", "above", "resolution", "searched")
         keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
         numbers |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
+        bands = {"below": beyond(quantity, -margin.below), "above": beyond(quantity, margin.above)}
+        known = {
+            side: by_keys(band, "mode tongue growth_rate_per_s=growth is_thin") for side, band in bands.items() if band
+        }
+        if known:
+            numbers[f"{limits.words.replace(' ', '_')}_margin_ends_in"] = known
     return numbers
 
 

@@ -52,6 +52,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.rod_in_words import parts_as_dicts, section_in_words, table_of_parts
 
 if TYPE_CHECKING:
+    from floquetrod.rod.answers.stability_intervals import BandBeyond
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _OF_ONE_KIND = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
@@ -89,6 +90,9 @@ class VerdictModel(Protocol):
         progress: Progress | None,
     ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
+
+    def band_beyond(self, verdict: RodStability, quantity: Quantity, change: float) -> BandBeyond | None:
+        """Return the unstable band in which a margin ends, ``change`` away from a stable load; None if not known."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -456,7 +460,7 @@ class RodStability(Reported, Verdict):
             words = section_in_words(self.rod, place, answer_units(shown))
             lines.append(("", f"most in {words}, at {shown['length'].show(place, 4)} from the upper end"))
         if margins is not None:
-            lines += margin_lines(margins, self.status, shown)
+            lines += margin_lines(margins, self.status, shown, self._band_beyond)
             if not evidence.has_exact_margins:
                 lines.append(("", "found by sampling: two changes close together may be missed"))
             if math.isinf(damping := self.damping_to_stabilise):
@@ -480,6 +484,10 @@ class RodStability(Reported, Verdict):
         grows = self.rod.varies and self.status == "unstable" and is_short
         return self.shape.position if grows else None
 
+    def _band_beyond(self, quantity: Quantity, change: float) -> BandBeyond | None:
+        """Return the unstable band in which a margin of a stable load ends, None where it is not known."""
+        return self.model.band_beyond(self, quantity, change) if math.isfinite(change) else None
+
     def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
         """Return the verdict as numbers for JSON, units in the keys; None for infinite or unknown numbers.
 
@@ -497,7 +505,7 @@ class RodStability(Reported, Verdict):
         """
         rod, load, near = self.rod, self.load, {}
         if margins is not None:
-            near = margins_as_dict(margins) | by_keys(self, "damping_to_stabilise_per_s")
+            near = margins_as_dict(margins, self._band_beyond) | by_keys(self, "damping_to_stabilise_per_s")
         return {
             **by_keys(self, "status unstable_modes growth_rate_per_s decay_rate_per_s fastest_mode"),
             "time_to_grow_tenfold_s": plain(self.time_to_grow(10.0)),

@@ -77,6 +77,30 @@ class UnstableBand(NamedTuple):
     required_damping: float
 
 
+class BandBeyond(NamedTuple):
+    """The unstable band in which a margin ends, up to a hundredth of the quantity beyond its edge.
+
+    Attributes
+    ----------
+    mode, tongue : int
+        The mode and tongue that grow at its edge.
+    growth : float
+        Largest growth rate in it, in 1/s.
+    is_thin : bool
+        Whether it ends within this hundredth.
+    """
+
+    mode: int
+    tongue: int
+    growth: float
+    is_thin: bool
+
+    @property
+    def words(self) -> str:
+        """What grows, and how fast at the most where the band is thin."""
+        return f"mode {self.mode}, tongue {self.tongue}{f': thin, {self.growth:.2g} 1/s' if self.is_thin else ''}"
+
+
 class Search(NamedTuple):
     """A search along one quantity of a load."""
 

@@ -43,8 +43,10 @@ from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Stat
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
-    from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
+    from floquetrod.rod.answers.stability_intervals import BandBeyond, Search, StabilityIntervals, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+
+_BEYOND = 0.01  # of a quantity, up to which the band is looked into in which a margin ends (a choice)
 
 
 @dataclass(frozen=True)
@@ -235,6 +237,23 @@ class IndependentModel(ModeModel):
             else:
                 change = far if far != piece[1] else None
         return FirstChange(change, piece[1] if change is None else change, unstable.resolution)
+
+    def band_beyond(self, verdict: RodStability, quantity: Quantity, change: float) -> BandBeyond | None:
+        """Return the unstable band in which a margin of a stable load ends, of all modes that matter."""
+        if not verdict.stable or math.isinf(_system(verdict).left_out_bound):
+            return None
+        from floquetrod.rod.answers.stability_intervals import Search
+        from floquetrod.rod.modes.unstable_bands import BandSearch
+
+        load, tolerance = self.template, verdict.margin_tolerance
+        edge = getattr(load, quantity) + change
+        piece = up_to_wall(self.rod, load, quantity, (edge, edge + math.copysign(_BEYOND * abs(edge), change)))
+        low, high = sorted(piece)
+        if low == high:
+            return None
+        last = _modes_for(verdict, self.rod, load.varied(quantity, high), tolerance)[-1]
+        search = Search(quantity, load.varied(quantity, high), (low, high), tolerance)
+        return BandSearch(self.rod, search, last).band_beyond(edge)
 
     # --- along a quantity, and over two ---
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
     from floquetrod.plane import Axis, FoundBands
     from floquetrod.rod.answers.critical_value import CriticalValue
-    from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
+    from floquetrod.rod.answers.stability_intervals import BandBeyond, Search, StabilityIntervals, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 Statuses = NDArray[np.int8]
@@ -224,6 +224,10 @@ class ModeModel(ABC):
         progress: Progress | None,
     ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
+
+    def band_beyond(self, verdict: RodStability, quantity: Quantity, change: float) -> BandBeyond | None:
+        """Return the unstable band in which a margin ends, ``change`` away from a stable load; None if not known."""
+        return None
 
     # --- along a quantity, and over two ---
 

@@ -11,8 +11,9 @@ import numpy as np
 from floquetrod import mathieu
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.progress import Progress
+from floquetrod._util.spans import complement
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
-from floquetrod.rod.answers.stability_intervals import Search, UnstableBand, WhatGrows
+from floquetrod.rod.answers.stability_intervals import BandBeyond, Search, UnstableBand, WhatGrows
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.unstable_loads import tongues_within
@@ -66,6 +67,27 @@ class BandSearch:
                 cause = tongues[worst].mode, tongues[worst].tongue
             rows.append(UnstableBand(*ends, rate, worst_load, cause, float(damping[k])))
         return tuple(rows)
+
+    def band_beyond(self, edge: float) -> BandBeyond | None:
+        """Return the band that begins at ``edge``, an end of the bounds of the search, up to their other end."""
+        varied, load, bounds, tolerance = self.search
+        system = ModalSystem(mode_constants(self.rod), load, tuple(range(1, self.modes + 1)))
+        tongues = tongues_within(varied, system, tolerance, [bounds]).intervals
+        if not tongues:
+            return None
+        upwards = edge == bounds[0]
+        first = min(tongues, key=lambda part: abs((part.low if upwards else part.high) - edge))
+        near = first.low if upwards else first.high
+        gaps = [gap for gap in complement(bounds, tongues) if (gap.low > near if upwards else gap.high < near)]
+        end = bounds[1] if upwards else bounds[0]
+        if gaps:
+            end = gaps[0].low if upwards else gaps[-1].high
+        low, high = sorted((near, end))
+        inside = [part for part in tongues if low <= part.low and part.high <= high]
+        mode = np.array([part.mode for part in inside], dtype=np.int64)
+        ends = (np.array([part[side] for part in inside]) for side in (0, 1))
+        peaks = _peaks(lambda x, i: self._growth(mode[i], x), *ends, _SAMPLES, _STEPS)
+        return BandBeyond(first.mode, first.tongue, float(peaks.value.max()), is_thin=bool(gaps))
 
     def _dampings(
         self, bands: Sequence[tuple[float, float]], band: Ints, mode: Ints, low: Floats, high: Floats
