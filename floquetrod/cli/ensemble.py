@@ -34,6 +34,7 @@ examples:
   floquetrod ensemble study.toml
   floquetrod ensemble study.toml --store runs.zarr --workers 8
   floquetrod ensemble study.toml --out buckling.png --out runs.csv
+  floquetrod ensemble study.toml --out buckling.png --over length,mean
   floquetrod ensemble study.toml --store runs.zarr --part 3/100
 
 a study file, in which strings may carry units:
@@ -87,6 +88,11 @@ def add(command: Parser) -> None:
         "--out", table_or_figure, "write a figure of the probability of buckling (.png, .pdf, .svg), or the runs (.csv)"
     )
     command.add_argument(
+        "--over",
+        metavar="NAME,NAME",
+        help="two varied quantities: the figure shows each run over both (default: the two that are drawn, if two are)",
+    )
+    command.add_argument(
         "--confidence", metavar="SHARE", type=ratio, default=0.95, help="of the intervals (default 0.95)"
     )
 
@@ -99,7 +105,8 @@ def _ensemble(options: argparse.Namespace) -> Output:
     study = fr.Study.from_toml(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
-    _require_picture(study, options.out or ())
+    plane = _plane(study, options)
+    _require_picture(study, options.out or (), plane)
     progress, started = Waiting("simulating", "runs", longest=_LOGGED), time.monotonic()
     with warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
@@ -132,18 +139,33 @@ def _ensemble(options: argparse.Namespace) -> Output:
         "seconds_of_all_runs": summary.wall_time,
     }
     said = "\n".join(_report(summary, record, study, options))
-    written = write_each(options.out, lambda path: _write(path, found, study, options.confidence))
+    written = write_each(options.out, lambda path: _write(path, found, study, options.confidence, plane))
     return output(options, lambda: said, lambda: record, 0 if complete else 130, written)
 
 
-def _require_picture(study: fr.Study, paths: Iterable[Path]) -> None:
+def _plane(study: fr.Study, options: argparse.Namespace) -> tuple[str, ...] | None:
+    """Return the quantities of --over; ValueError, before anything runs, unless they are two that the study varies."""
+    if options.over is None:
+        return None
+    names, varied = tuple(name.strip() for name in options.over.split(",")), [*study.over]
+    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= set(varied):
+        raise ValueError(
+            f"--over must be two quantities of [over] in {study.path} ({', '.join(varied)}), with a comma between, "
+            f"got {options.over!r}"
+        )
+    if not any(path.suffix != ".csv" for path in options.out or ()):
+        raise ValueError("--over is about a figure: name one with --out, such as --out buckling.png")
+    return names
+
+
+def _require_picture(study: fr.Study, paths: Iterable[Path], plane: tuple[str, ...] | None) -> None:
     """Refuse a figure, before anything runs, where a study has nothing to be drawn."""
     from floquetrod.ensembles.shares import RANDOM
     from floquetrod.ensembles.varied_axes import LAYOUTS, dims_of
 
     dims = dims_of(study.over, study.options.get("layout", LAYOUTS[0]))
     chosen = [name for name, dim in dims.items() if dim not in RANDOM and len(set(study.over[name])) > 1]
-    if len(chosen) in (1, 2) or set(RANDOM) & set(dims.values()):
+    if plane or len(chosen) in (1, 2) or set(RANDOM) & set(dims.values()):
         return
     for path in paths:
         if path.suffix != ".csv":
@@ -154,7 +176,7 @@ def _require_picture(study: fr.Study, paths: Iterable[Path]) -> None:
             )
 
 
-def _write(path: Path, found: Any, study: fr.Study, confidence: float) -> None:
+def _write(path: Path, found: Any, study: fr.Study, confidence: float, plane: tuple[str, ...] | None) -> None:
     """Write a table of the runs, or a figure of the share that buckled in the units of the study."""
     from floquetrod.ensembles.pictures import draw
     from floquetrod.ensembles.runs import Runs
@@ -164,7 +186,7 @@ def _write(path: Path, found: Any, study: fr.Study, confidence: float) -> None:
     if path.suffix == ".csv":
         runs.to_csv(path)
     else:
-        chart_plot.save_figure(draw(runs, "buckled", confidence, study.units), path)
+        chart_plot.save_figure(draw(runs, "buckled", confidence, study.units, plane), path)
 
 
 def _part(options: argparse.Namespace) -> tuple[int, int] | None:
@@ -265,11 +287,13 @@ def _table(rows: list[BucklingShare], study: fr.Study, options: argparse.Namespa
     if not rows:
         return
     yield ""
-    heads = ("runs done", "share that buckled", f"{100.0 * options.confidence:g} % interval")
+    heads = ["runs done", "share that buckled", f"{100.0 * options.confidence:g} % interval"]
+    moving = any(row.counts["moving"] for row in rows)
+    heads += ["if moving runs buckle too"] if moving else []
     columns = [(name.replace("_", " "), ">1") for name in rows[0].at] + [(head, ">1") for head in heads]
     listed = []
     for row in rows[:_ROWS]:
-        share, low, high = ("-" if part is None else f"{part:.3f}" for part in row.shares.values())
+        share, low, high, highest = ("-" if part is None else f"{part:.3f}" for part in row.shares.values())
         failed = f", {row.counts['failed']:,} failed" if row.counts["failed"] else ""
         listed.append(
             (
@@ -277,6 +301,7 @@ def _table(rows: list[BucklingShare], study: fr.Study, options: argparse.Namespa
                 f"{row.counts['done']:,}{failed}",
                 share,
                 f"{low} to {high}",
+                *([f"up to {highest}"] if moving else []),
             )
         )
     more = len(rows) - _ROWS

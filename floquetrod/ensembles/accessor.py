@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +26,11 @@ class EnsembleAccessor:
         """Return what `floquetrod.ensembles.probability` does."""
         return statistics.probability(self._dataset, name, over=over, confidence=confidence)
 
-    def plot(self, name: str = "buckled", *, confidence: float = 0.95, figure: Any = None) -> Any:
+    def plot(
+        self, name: str = "buckled", *, over: Sequence[str] | None = None, confidence: float = 0.95, figure: Any = None
+    ) -> Any:
         """Draw what `floquetrod.ensembles.runs.Runs.plot` does."""
-        return Runs.of_each_run(self._dataset).plot(name, confidence=confidence, figure=figure)
+        return Runs.of_each_run(self._dataset).plot(name, over=over, confidence=confidence, figure=figure)
 
     def to_csv(self, path: str | Path) -> Path:
         """Write what `floquetrod.ensembles.runs.Runs.to_csv` does."""

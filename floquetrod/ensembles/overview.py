@@ -76,8 +76,9 @@ def _table(probabilities: Runs) -> list[BucklingShare]:
     for place in np.ndindex(shape):
         at = dict(zip(dims, place, strict=True))
         values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in probabilities.coords.items()}
-        counts = {name: int(probabilities[name][place]) for name in ("done", "failed")}
-        shares = {name: number(float(probabilities[name][place])) for name in ("probability", "lower", "upper")}
+        counts = {name: int(probabilities[name][place]) for name in ("done", "failed", "moving")}
+        ends = ("probability", "lower", "upper", "upper_moving")
+        shares = {name: number(float(probabilities[name][place])) for name in ends}
         rows.append(BucklingShare(values, counts, shares))
     return rows
 

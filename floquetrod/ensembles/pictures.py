@@ -6,31 +6,43 @@ from collections.abc import Mapping
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod.ensembles.shares import RANDOM, chosen_quantities, share_over, shares_along
+from floquetrod.ensembles.shares import RANDOM, chosen_quantities, runs_over, share_over, shares_along
 from floquetrod.ensembles.variables import DONE
 from floquetrod.units import Unit
 
 _PLANE, _PANEL = 4.4, 2.7  # inches: height of the picture over two quantities, and of a panel over one
 
 
-def draw(runs: Any, result: str, confidence: float, units: Mapping[str, Unit] | None = None, figure: Any = None) -> Any:
+def draw(
+    runs: Any,
+    result: str,
+    confidence: float,
+    units: Mapping[str, Unit] | None = None,
+    over: Any = None,
+    figure: Any = None,
+) -> Any:
     """Return a figure of a result of `Runs`, true or false in each, with quantities in ``units`` by their names.
 
     The share of runs over both quantities where two are chosen, and its probability over each where runs are drawn.
-    Over one chosen quantity without drawn runs it shows each run.  ValueError where there is nothing of this.
+    Every run over the two quantities of ``over``, or over two that are drawn.  Over one chosen quantity without drawn
+    runs it shows each run.  ValueError where there is nothing of this.
     """
     from floquetrod.plotting import ensemble_plot
     from floquetrod.plotting.chart_plot import figure_or_new
 
-    plane, shares = share_over(runs, result), shares_along(runs, result, confidence)
+    plane: Any = None if over is not None else share_over(runs, result)
+    draw_plane: Any = ensemble_plot.draw_share_plane
+    if plane is None:
+        plane, draw_plane = runs_over(runs, result, over), ensemble_plot.draw_runs
+    shares = shares_along(runs, result, confidence)
     if plane is None and shares:
         return ensemble_plot.draw_shares(shares, result, confidence, units, figure)
     if plane is not None and not shares:
-        return ensemble_plot.draw_share_plane(plane, result, units, figure)
+        return draw_plane(plane, result, units, figure)
     if plane is not None:
         figure = figure_or_new(figure, (7.2, _PLANE + _PANEL * len(shares)))
         above, below = figure.subfigures(2, 1, height_ratios=[_PLANE, _PANEL * len(shares)])
-        ensemble_plot.draw_share_plane(plane, result, units, above)
+        draw_plane(plane, result, units, above)
         ensemble_plot.draw_shares(shares, result, confidence, units, below)
         return figure
     require_drawable(list(chosen_quantities(runs)), is_drawn=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,17 +90,21 @@ class Runs(NoTruthValue, ByContent):
         values = zip(*(each.ravel().tolist() for each in every.values()), strict=True)
         return str(Table(columns, [[f"{x:.6g}" if isinstance(x, float) else str(x) for x in row] for row in values]))
 
-    def plot(self, name: str = "buckled", *, confidence: float = 0.95, figure: Any = None) -> Any:
+    def plot(
+        self, name: str = "buckled", *, over: Sequence[str] | None = None, confidence: float = 0.95, figure: Any = None
+    ) -> Any:
         """Draw the share of runs with a result over the quantities that vary; return the figure.
 
         Where two quantities are chosen it is over both of them.  Where runs are drawn it is also over each quantity,
         averaged over all others, as `floquetrod.ensembles.probability` does, with its interval; values that were drawn
-        are put into bins.  Over one chosen quantity each run is a point.
+        are put into bins.  Over one chosen quantity each run is a point, and over two quantities that are drawn, too.
 
         Parameters
         ----------
         name : str
             A result that is true or false in each run, such as "buckled".
+        over : (str, str), optional
+            Two quantities that vary: every run is a point over both; by default the two that are drawn, if two are.
         confidence : float
             Probability of the intervals, between 0 and 1.
         figure : matplotlib.figure.Figure or SubFigure, optional
@@ -113,12 +118,12 @@ class Runs(NoTruthValue, ByContent):
         Raises
         ------
         ValueError
-            Where no runs are drawn and none or more than two quantities are chosen, and for a result that is neither
-            true nor false.
+            Where no runs are drawn and none or more than two quantities are chosen, for a result that is neither true
+            nor false, and for an ``over`` that is not two quantities that vary.
         """
         from floquetrod.ensembles.pictures import draw
 
-        return draw(self, name, confidence, figure=figure)
+        return draw(self, name, confidence, over=over, figure=figure)
 
     def to_csv(self, path: str | Path) -> Path:
         """Write a table with one row for each run: its varied quantities and its results, units in the headings.

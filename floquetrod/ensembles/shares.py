@@ -14,12 +14,16 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
 from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
 from floquetrod.ensembles.varied_axes import RUN_SEED
+from floquetrod.simulation.outcome import KINDS, Outcome
 
 RANDOM = ("sample", "run", "seed")
 """Dimensions along which runs are drawn; the values along all others are chosen."""
 
 _BINS = 8  # at most, into which values that are drawn are put (a choice)
 _IN_A_BIN = 10  # runs at least (a choice)
+
+_MOVING = [place for place, kind in enumerate(KINDS) if Outcome(kind, 0.0).doubt]
+"""Outcomes that a longer run may change."""
 
 
 class ShareAlong(NamedTuple):
@@ -84,6 +88,53 @@ class SharePlane(NamedTuple):
     y: Floats
     share: Floats
     is_drawn: bool
+
+
+class RunsOver(NamedTuple):
+    """Every run done over two quantities in their SI units, with its result."""
+
+    names: tuple[str, str]
+    units: tuple[str, str]
+    x: Floats
+    y: Floats
+    result: NDArray[np.bool_]
+
+
+def varied_quantities(runs: Any) -> dict[str, str]:
+    """Return every quantity that varies, in their order, each with its dimension; seeds are none."""
+    dims = runs.variables["status"].dims
+    return {
+        name: v.dims[0]
+        for name, v in runs.coords.items()
+        if len(v.dims) == 1
+        and v.dims[0] in dims
+        and name not in ("seed", RUN_SEED)
+        and v.values.dtype.kind in "iuf"
+        and np.unique(v.values).size > 1
+    }
+
+
+def runs_over(runs: Any, name: str, over: Any = None) -> RunsOver | None:
+    """Return the runs over two quantities, by default the two that are drawn; None where there are not two of these."""
+    varied = varied_quantities(runs)
+    if over is None:
+        over = [quantity for quantity, dim in varied.items() if dim in RANDOM]
+        if len(over) != 2:
+            return None
+    names = tuple(
+        validate.choice("over", each, varied) for each in validate.sequence("over", over, "('length', 'mean')")
+    )
+    if len(set(names)) != 2 or len(names) != 2:
+        raise validate.wrong_value("over", f"must be two quantities that vary, got {validate.short(over)}")
+    dims, done = runs.variables["status"].dims, runs["status"] == DONE
+
+    def at_runs(quantity: str) -> Floats:
+        values = runs[quantity].astype(float).reshape([-1 if dim == varied[quantity] else 1 for dim in dims])
+        return np.asarray(np.broadcast_to(values, done.shape)[done])
+
+    first, second = names
+    units = runs.units[first], runs.units[second]
+    return RunsOver((first, second), units, at_runs(first), at_runs(second), runs[name][done] == 1)
 
 
 def chosen_quantities(runs: Any) -> dict[str, str]:
@@ -174,16 +225,17 @@ def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
     true, finished, lost = by_group(done & (values == 1)), by_group(done), by_group(status == FAILED)
     chosen = any(dims[place] not in RANDOM for place in places)
     unknown = lost + by_group(status == PENDING) if chosen else lost
-    if group.size == true.shape[1]:  # every run is a group
-        lower, upper = clopper_pearson(
-            true.sum(axis=1), (finished + unknown).sum(axis=1), confidence, unknown=unknown.sum(axis=1)
-        )
-    else:
-        lower, upper = (
-            np.array([_interval(*counts, confidence) for counts in zip(true, finished, unknown, strict=True)])
-            .reshape(-1, 2)
-            .T
-        )
+
+    def ends(finished: NDArray[np.int64], unknown: NDArray[np.int64]) -> Any:
+        """Return both ends of the interval for every row."""
+        if group.size == true.shape[1]:  # every run is a group
+            return clopper_pearson(
+                true.sum(axis=1), (finished + unknown).sum(axis=1), confidence, unknown=unknown.sum(axis=1)
+            )
+        rows = [_interval(*counts, confidence) for counts in zip(true, finished, unknown, strict=True)]
+        return np.array(rows).reshape(-1, 2).T
+
+    lower, upper = ends(finished, unknown)
     share = np.full(len(true), np.nan)
     for row in np.flatnonzero(finished.any(axis=1)):
         some = finished[row] > 0
@@ -193,6 +245,14 @@ def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
         return Variable(left, np.reshape(values, shape), {"long_name": text, "units": "1"})
 
     percent = f"{100.0 * confidence:g} % confidence"
+    more = {}
+    if name == "buckled" and "outcome" in runs.variables:
+        moving = by_group(done & (values != 1) & np.isin(runs["outcome"], _MOVING))
+        _, highest = ends(finished - moving, unknown + moving)
+        more = {
+            "moving": variable(moving.sum(axis=1), "runs not buckled, but still moving beyond 5 degrees at their end"),
+            "upper_moving": variable(highest, f"upper end of the interval of {percent} if these runs buckle too"),
+        }
     return type(runs)(
         {
             "probability": variable(share, f"share of runs with {name} among those done"),
@@ -200,6 +260,7 @@ def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
             "upper": variable(upper, f"upper end of the interval of {percent}"),
             "done": variable(finished.sum(axis=1), "runs done"),
             "failed": variable(lost.sum(axis=1), "runs that failed"),
+            **more,
         },
         {key: v for key, v in runs.coords.items() if set(v.dims) <= set(left)},
         {**runs.attrs, "result": name, "confidence": confidence},

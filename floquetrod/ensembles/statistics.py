@@ -31,7 +31,9 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     the same kind as ``runs``
         ``probability``, the share of true results among the runs done, NaN where none is; ``lower`` and ``upper``,
         its interval; ``done`` and ``failed``, numbers of runs.  Those that failed count as false at the lower end and
-        as true at the upper; pending ones do not count.
+        as true at the upper; pending ones do not count.  For ``buckled`` also ``moving``, the number of runs that
+        did not count as buckled but still moved beyond 5 degrees at their end, and ``upper_moving``, the upper end of
+        the interval if they buckle too.
 
     Warns
     -----

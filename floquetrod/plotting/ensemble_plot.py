@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.chart_plot import colours, explain, figure_or_new, patch
+from floquetrod.plotting.chart_plot import NAMES, colours, explain, figure_or_new, patch
 from floquetrod.units import Unit
 
 
@@ -45,6 +45,28 @@ def draw_share_plane(plane: Any, result: str, units: Mapping[str, Unit] | None =
     return figure
 
 
+def draw_runs(over: Any, result: str, units: Mapping[str, Unit] | None = None, figure: Any = None) -> Any:
+    """Return a figure of `floquetrod.ensembles.shares.RunsOver`: a point for each run, filled where it has the result.
+
+    Quantities are in ``units`` by their names.
+    """
+    figure = figure_or_new(figure, (7.2, 4.4))
+    ax = figure.subplots()
+    (x, label_x), (y, label_y) = (
+        _in_unit(name, unit, values, units)
+        for name, unit, values in zip(over.names, over.units, (over.x, over.y), strict=True)
+    )
+    handles = []
+    for true, fill, words in ((False, palette.STABLE, f"not {result}"), (True, palette.UNSTABLE, result)):
+        chosen = over.result == true
+        style = {**palette.POINT, "markerfacecolor": fill, "markeredgewidth": 0.7, "markersize": 5.0}
+        handles += ax.plot(x[chosen], y[chosen], **style, linestyle="none", label=words)
+    ax.set_xlabel(label_x)
+    ax.set_ylabel(label_y)
+    explain(ax, handles, "each point is one run")
+    return figure
+
+
 def _edges(values: Any) -> Any:
     """Return the edges of cells about values: the middles between them, and as far beyond the first and the last."""
     middles = 0.5 * (values[1:] + values[:-1])
@@ -70,8 +92,9 @@ def draw_results(
 def _in_unit(name: str, unit: str, values: Any, units: Mapping[str, Unit] | None) -> tuple[Any, str]:
     """Return the values of a quantity, and its name with its unit, in a unit of ``units`` or their own."""
     shown = (units or {}).get(name, Unit("" if unit == "1" else unit, 1.0))
+    words, _ = NAMES.get(name, (name.replace("_", " "), ""))
     written = f"({shown.name})" if "/" in shown.name else shown.name
-    return shown.of(values), f"{name.replace('_', ' ')}{f' / {written}' if written else ''}"
+    return shown.of(values), f"{words}{f' / {written}' if written else ''}"
 
 
 def draw_shares(

@@ -150,9 +150,9 @@ def test_tells_how_probable_buckling_is(tmp_path: Path, capsys: pytest.CaptureFi
     assert lines[2] == "buckled   0 of 6; not buckled, but beyond 5 degrees: 3 swinging"
     assert lines[4].startswith("note      3 runs counted as not buckled, still swinging as its kick may have left it")
     assert "store     none: name one with --store" in lines
-    assert re.fullmatch(r" +kick +runs done +share that buckled +95 % interval", lines[-3])
-    assert re.fullmatch(r" 10 mm/s +3 +0\.000 +0\.000 to 0\.708", lines[-2])
-    assert re.fullmatch(r"900 mm/s +3 +0\.000 +0\.000 to 0\.708", lines[-1])
+    assert re.fullmatch(r" +kick +runs done +share that buckled +95 % interval +if moving runs buckle too", lines[-3])
+    assert re.fullmatch(r" 10 mm/s +3 +0\.000 +0\.000 to 0\.708 +up to 0\.708", lines[-2])
+    assert re.fullmatch(r"900 mm/s +3 +0\.000 +0\.000 to 0\.708 +up to 1\.000", lines[-1])
     assert re.search(r"\ncost +[\d.e-]+ s; all 6 runs done took \d+ seconds, one after the other\n", "\n".join(lines))
 
 
@@ -162,7 +162,7 @@ def test_json_says_what_the_library_finds(tmp_path: Path, capsys: pytest.Capture
     with pytest.warns(fr.OutcomeWarning, match="3 runs counted as not buckled"):
         found = fr.ensembles.probability(fr.ensemble(study.problem, study.over), over="seed", confidence=0.8)
     assert [row["kick_m_per_s"] for row in record["rows"]] == [0.01, 0.9]
-    for name in ("probability", "lower", "upper", "done", "failed"):
+    for name in ("probability", "lower", "upper", "done", "failed", "moving", "upper_moving"):
         assert [row[name] for row in record["rows"]] == found[name].values.tolist()
     assert (record["complete"], record["continue"], record["store"]) == (True, None, None)
 
@@ -177,7 +177,14 @@ def test_failures_are_grouped_by_their_reason(tmp_path: Path, capsys: pytest.Cap
     assert cli.main(["ensemble", path]) == 0
     out = capsys.readouterr().out
     assert re.search(r"\nfailed    4: ValueError: perturbation names mode 8, ", out)
-    assert re.search(r"\n +40 +0, 2 failed +-  0\.000 to 1\.000\n", out)
+    assert re.search(r"\n +40 +0, 2 failed +-  0\.000 to 1\.000 +up to 1\.000\n", out)
+
+
+@pytest.mark.parametrize("over", ["length", "length,length", "length,bore"])
+def test_over_is_two_quantities_of_the_study(over: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path)
+    assert cli.main(["ensemble", path, "--out", str(tmp_path / "a.png"), "--over", over]) == 2
+    assert "--over must be two quantities of [over]" in capsys.readouterr().err
 
 
 @pytest.mark.filterwarnings("default::floquetrod.ResolutionWarning")

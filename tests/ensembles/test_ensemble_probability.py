@@ -15,6 +15,7 @@ import floquetrod as fr
 from floquetrod import cli
 from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
 from floquetrod.ensembles import Runs, probability, varied_axes
+from floquetrod.ensembles.shares import probability_of
 from floquetrod.ensembles.variables import Variable
 from tests.ensemble_cases import PROBLEM, assert_same, in_memory
 
@@ -233,3 +234,25 @@ def test_python_a_study_and_the_terminal_say_the_same(tmp_path: Path, capsys: py
     assert [row["lower"] for row in answer["rows"]] == expected.lower.values.tolist()
     assert answer["outcomes"]["swinging"] == int((study.outcome == 4).sum()) > 0
     assert any("still swinging" in note for note in answer["notes"])
+
+
+# --- motion at the end of runs ---
+
+
+@pytest.mark.parametrize("dims", [("sample",), ("sample", "seed")])
+def test_runs_still_moving_are_counted_either_way(dims: tuple[str, ...], rng: np.random.Generator) -> None:
+    shape = (12, 3)[: len(dims)]
+    outcome = rng.integers(0, 5, shape)  # 1 is buckled, 3 dying out, 4 swinging
+    coords = {name: Variable((name,), np.arange(size), {}) for name, size in zip(dims, shape, strict=True)}
+    coords["run_seed"] = Variable(dims, np.arange(outcome.size).reshape(shape), {})
+
+    def with_buckled(buckled: NDArray[np.bool_]) -> Runs:
+        values = {"status": np.ones(shape, int), "buckled": buckled, "outcome": outcome}
+        return Runs({name: Variable(dims, each, {}) for name, each in values.items()}, coords, {})
+
+    moving = outcome >= 3
+    found = probability_of(with_buckled(outcome == 1), "buckled", dims, 0.95)
+    most = probability_of(with_buckled((outcome == 1) | moving), "buckled", dims, 0.95)
+    assert int(found["moving"]) == int(moving.sum())
+    assert float(found["upper_moving"]) == pytest.approx(float(most["upper"]), abs=1e-12)
+    assert float(found["upper"]) < float(found["upper_moving"])

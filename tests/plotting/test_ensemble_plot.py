@@ -146,3 +146,42 @@ def test_one_chosen_quantity_shows_each_run() -> None:
 def test_three_chosen_quantities_without_draws_are_refused() -> None:
     with pytest.raises(ValueError, match=r"runs must vary with one or two .*got kick, amplitude, length; give all but"):
         chosen_runs(2, 2, 2).plot()
+
+
+def two_drawn() -> Runs:
+    """Return runs over two drawn quantities and two kicks, one of them failed."""
+    dims, rng = ("kick", "sample"), np.random.default_rng(9)
+    status = np.ones((2, 30), int)
+    status[0, 3] = 2
+    return Runs(
+        {
+            "status": Variable(dims, status, {}),
+            "buckled": Variable(dims, rng.random((2, 30)) < 0.4, {}),
+        },
+        {
+            "kick": Variable(("kick",), np.array([0.01, 0.02]), {"units": "m/s"}),
+            "length": Variable(("sample",), rng.normal(3.0, 0.1, 30), {"units": "m"}),
+            "mean": Variable(("sample",), rng.normal(1.0, 0.1, 30), {"units": "N"}),
+        },
+        {},
+    )
+
+
+@pytest.mark.parametrize("over", [None, ("length", "mean"), ("mean", "kick")])
+def test_every_run_done_is_a_point_over_two_quantities(over: tuple[str, str] | None) -> None:
+    runs = two_drawn()
+    ax = runs.plot(over=over).axes[0]
+    names = over or ("length", "mean")
+    labels = {"length": "length / m", "mean": "mean force / N", "kick": "kick / (m/s)"}
+    assert (ax.get_xlabel(), ax.get_ylabel()) == tuple(labels[name] for name in names)
+    places = {name: np.broadcast_to(runs[name][:, None] if name == "kick" else runs[name], (2, 30)) for name in names}
+    for line, result in zip(ax.lines, (False, True), strict=True):
+        chosen = (runs["status"] == 1) & (runs["buckled"] == result)
+        assert line.get_xydata() == pytest.approx(np.column_stack([places[name][chosen] for name in names]))
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize("over", [("length",), ("length", "length"), ("length", "bore")])
+def test_what_is_not_two_varied_quantities_is_refused(over: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError, match="over"):
+        two_drawn().plot(over=over)
