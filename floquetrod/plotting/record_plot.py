@@ -79,6 +79,7 @@ def _draw_spectrum(record: Any, ax: Any, shown: Unit) -> None:
     frequency, *amplitudes = record.spectrum()
     whole, left = map(shown.of, amplitudes)
     noise = shown.of(2.0 * record.noise / np.sqrt(record.time.size))  # root mean square of what it adds to an amplitude
+    size = f"{shown.of(record.noise):.3g} {shown.name}"
     ax.plot(frequency, whole, color="0.75", linewidth=0.8, label="record less mean and trend")
     ax.plot(frequency, left, color="0.4", linewidth=0.8, label="what the fit leaves")
     places = np.array(record.harmonic_numbers) - 1
@@ -86,7 +87,7 @@ def _draw_spectrum(record: Any, ax: Any, shown: Unit) -> None:
     ax.errorbar(
         (places + 1) / record.period, sizes, errors, fmt="o", color="black", markersize=4, label="harmonics kept"
     )
-    ax.axhline(noise, color="black", linestyle="--", linewidth=0.8, label="noise on average")
+    ax.axhline(noise, color="black", linestyle="--", linewidth=0.8, label=f"noise of {size} a sample, on average")
     ax.set_yscale("log")
     ax.set_xlim(0.0, min(frequency[-1], _BEYOND * (places[-1] + 1) / record.period))
     ax.set_ylim(0.1 * noise if noise > 1e-9 * sizes.max() else 1e-6 * sizes.max(), 2.0 * sizes.max())

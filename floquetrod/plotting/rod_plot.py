@@ -163,7 +163,8 @@ def draw_shape(verdict: Any, shape: Any, name: str, ax: Any = None) -> Any:
     (line,) = ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0, label="one instant")
     ax.set(xlabel="position from the upper end $s$ / m", ylabel="deflection / largest", ylim=(-1.1, 1.1))
     ax.set_xlim(shape.s[0], shape.s[-1])
-    growth = f"{verdict.status}, growth {verdict.growth_rate:.4g} 1/s"
+    rate = verdict.growth_rate
+    growth = f"{verdict.status}, growth {rate:.4g} 1/s" if rate else f"{verdict.status}: the motion that lasts longest"
     ax.set_title(f"{growth}: {name}" if name else growth, fontsize="medium", wrap=True)
     explain(ax, [line, ax.collections[-1], *_draw_sections(verdict.rod, ax)])
     return ax

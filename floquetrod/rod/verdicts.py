@@ -40,7 +40,7 @@ def stability(
     validate.progress(progress)
     record = source if isinstance(source, LoadSource) else None
     warn_unless_uniform(rod, load)
-    warn_of_load(rod, load if record is None or record.force_unit_named else record)
+    warn_of_load(rod, load, record)
     if friction is not None:
         model.require("friction")
     if record is not None:

@@ -13,6 +13,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod.rod.loads.record import ChangedRecord
+from floquetrod.rod.model.plausibility import warn_of_load, warn_of_record
 from floquetrod.rod.record_verdict import NOISE_DRAWS
 from tests.conftest import depth
 
@@ -82,6 +83,17 @@ def test_a_record_without_a_unit_of_force_is_warned_of(tmp_path: Path, capsys: p
         path.write_text("\n".join([f"time / s,{heading}", *lines[1:]]), encoding="utf-8")
         assert cli.main([*asked, *more]) == 0
         assert (told in capsys.readouterr().err) == expected
+
+
+def test_times_of_a_force_too_quick_for_any_machine_are_warned_of(tmp_path: Path) -> None:
+    path, matters = written(tmp_path, "N"), "its force 23,87. Hz, .* Give time_unit, such as s or ms"
+    quick, slow = (fr.ForceRecord.from_csv(path, time_unit=unit) for unit in ("ms", "s"))
+    with pytest.warns(fr.PlausibilityWarning, match=matters):
+        warn_of_record(ROD, quick)  # as the terminal and studies do
+    with pytest.warns(fr.PlausibilityWarning, match=matters):
+        warn_of_load(ROD, quick.load, quick)  # as `Rod.stability` does
+    warn_of_record(ROD, slow)
+    warn_of_load(ROD, slow.load, slow)
 
 
 def test_a_record_without_a_unit_and_arrays_are_in_newtons(tmp_path: Path) -> None:

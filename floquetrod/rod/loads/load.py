@@ -331,7 +331,8 @@ class Load(units.InUnits, ShownInNotebook, TellsAttributes, ABC):
         elif self.mean_at != 0.5:
             features.append(f"mean force at {self.mean_at:g} of the length")
         if self.noise:
-            features.append(noise_in_words(self.noise))
+            given = units.AnswerUnits.named(given=self.given_units).force
+            features.append(noise_in_words(self.noise, given.name))
         if self.second is not None:
             features.append(second_in_words(self.second))
         return ", ".join(features)
@@ -675,11 +676,14 @@ def scaled_noise(noise: Noise, factor: float) -> Noise:
     return factor * float(noise)
 
 
-def noise_in_words(noise: Noise) -> str:
-    """Return the largest density of noise in words."""
+def noise_in_words(noise: Noise, force: str = "N") -> str:
+    """Return the largest density of noise in words, by a unit of force."""
+    densities = units.units_of("force density")
+    unit = f"{force}^2/Hz" if f"{force}^2/Hz" in densities else "N^2/Hz"
+    size = densities[unit]
     if not isinstance(noise, tuple):
-        return f"noise of {float(noise):.4g} N^2/Hz"
-    return f"noise of up to {max(density for _, density in noise):.4g} N^2/Hz below {noise[-1][0]:.4g} Hz"
+        return f"noise of {float(noise) / size:.4g} {unit}"
+    return f"noise of up to {max(density for _, density in noise) / size:.4g} {unit} below {noise[-1][0]:.4g} Hz"
 
 
 def second_sine(value: Any) -> Second | None:

@@ -16,7 +16,7 @@ from typing import Any
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, is_typed
-from floquetrod.rod.loads.load import Load
+from floquetrod.rod.loads.load import Load, LoadSource
 from floquetrod.rod.model.catalogue import pipes
 from floquetrod.units import unit_of, units_of
 
@@ -44,6 +44,7 @@ _GRAVITIES = {980.665: "cm/s^2", 9806.65: "mm/s^2", 32.174: "ft/s^2", 386.09: "i
 _STRONG, _WEAK = 100.0, 1e-3  # critical forces; ten times a usual mean, in a unit a thousand times too large or small
 _THICK_STRING = 1e3  # N: critical force from which kN are usual
 _SHARP = 0.01  # curvature times clearance from which growth errs by a percent (docs/theory/bends.md); wells have 1e-3
+_QUICKEST = 1e3  # Hz: no machine that shakes a rod is faster; an ultrasonic horn, which has 20 kHz, buckles none
 _ORDER = 3.0  # tongues of a higher order are narrow
 
 
@@ -256,6 +257,19 @@ def suspicions_of_record(rod: Any, record: Any) -> Iterator[str]:
         )
 
 
+def suspicions_of_times(record: Any) -> Iterator[str]:
+    """Yield the suspicion that the times of a record are in a larger unit than was taken: its force is too quick."""
+    times = getattr(record, "time", None)  # a changed record has none of its own
+    if times is not None and (hertz := record.frequency / (2.0 * math.pi)) > _QUICKEST:
+        sampled = (times.size - 1) / (times[-1] - times[0])
+        yield Message(
+            f"the record has {sampled:,.0f} samples a second and its force {hertz:,.0f} Hz, more than any machine that "
+            "shakes rods: are its times in another unit? Give ",
+            Mention("time_unit"),
+            ", such as s or ms",
+        )
+
+
 def _matters(share: float) -> bool:
     """Return whether a force of so many critical forces is plausible (the limits are choices)."""
     return 0.02 < share < 20.0
@@ -277,22 +291,24 @@ def may_be_hertz(rod: Any, load: Any) -> bool:
     return bool(_ORDER * load.frequency < first <= 2.0 * math.pi * load.frequency)
 
 
-def warn_of_load(rod: Any, load: Any) -> None:
-    """Warn of a load, or a record, that is suspicious on this rod, by its critical force."""
+def warn_of_load(rod: Any, load: Load, source: LoadSource | None = None) -> None:
+    """Warn of a load that is suspicious on this rod, by its critical force, or of the record that is its ``source``."""
     if rod.force_unit is None:
         return
-    is_unnamed = not isinstance(load, Load) and not load.force_unit_named
-    for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
+    is_unnamed = source is not None and not source.force_unit_named
+    suspicions = [*(suspicions_of_record(rod, source) if is_unnamed else suspicions_of_load(rod, load))]
+    for suspicion in [*suspicions_of_times(source), *suspicions]:
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
 def warn_of_record(rod: Any, record: Any) -> None:
-    """Warn of a record whose file names no unit of force: it is read in N, whatever was meant."""
-    if record.force_unit_named:
-        return
-    suspicions = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))
-    general = "the record names no unit of force: taken in N; give "
-    for suspicion in suspicions or [Message(general, Mention("force_unit"), ", such as N or lbf")]:
+    """Warn of a record whose times are suspicious, or whose file names no unit of force: taken in N, whatever it is."""
+    suspicions = list(suspicions_of_times(record))
+    if not record.force_unit_named:
+        forces = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))
+        general = "the record names no unit of force: taken in N; give "
+        suspicions += forces or [Message(general, Mention("force_unit"), ", such as N or lbf")]
+    for suspicion in suspicions:
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
