@@ -20,6 +20,9 @@ _NUMBER = re.compile(
 )
 _FRACTION = re.compile(r"\s*([-+]?)(?:(\d{1,9})(?:\s*-\s*|\s+))?(\d{1,9})/([1-9]\d{0,8})\s*([^\s\d/]*)\s*", re.ASCII)
 _FRACTIONS_OF = ("in", "ft")
+_FEET_AND_INCHES = re.compile(
+    r"\s*([-+]?)(\d{1,9})\s*(ft|feet|foot|')\s*-?\s*(\d{1,2}(?:\.\d*)?)\s*(in|inch|inches|\")\s*", re.ASCII
+)
 
 
 def si(values: Any, name: str, kind: str) -> Any:
@@ -87,8 +90,8 @@ def quantity(
     ----------
     value : str, number or quantity of pint
         A number with a unit, whose case matters only between M for mega and m for milli; a number alone is in the SI
-        unit of its kind.  Inches and feet may be fractions: "3/4in", "2-3/8in", "2 3/8in".  A percentage is of
-        ``nominal`` if given, else of the critical force for kind "force", and of 1 for kind "ratio".
+        unit of its kind.  Inches and feet may be fractions, "3/4in", "2-3/8in", "2 3/8in", or both, "9500ft 6in".  A
+        percentage is of ``nominal`` if given, else of the critical force for kind "force", and of 1 for kind "ratio".
     name : str
         Its name in messages.
     kind : str
@@ -233,7 +236,13 @@ def _written(text: str) -> tuple[float, str] | None:
 
     >>> _written("24Hz"), _written("2-3/8in"), _written('2 3/8"'), _written("3 deg / 30 m"), _written("fast")
     ((24.0, 'Hz'), (2.375, 'in'), (2.375, '"'), (3.0, 'deg/30m'), None)
+    >>> _written("9500ft 6in")
+    (9500.5, 'ft')
     """
+    both = _FEET_AND_INCHES.fullmatch(text)
+    if both is not None and float(both[4]) < 12.0:
+        size = int(both[2]) + float(both[4]) / 12.0
+        return (-size if both[1] == "-" else size), "ft"
     fraction = _FRACTION.fullmatch(text)
     if fraction is not None and meant(fraction[5], _FRACTIONS_OF):
         size = int(fraction[2] or 0) + int(fraction[3]) / int(fraction[4])
