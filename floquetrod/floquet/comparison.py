@@ -144,12 +144,19 @@ class Comparison(SideBySide):
         return Report(self._headline, lines, Table([(title, "<") for title in head], rows, rest))
 
     @property
-    def _headline(self) -> str:
-        """The verdict of the first method that decides, approximations aside."""
+    def _verdict(self) -> Stability | SystemStability | None:
+        """The verdict of the first method that decides, approximations aside; None where methods disagree."""
         if not self.agree:
-            return "METHODS DISAGREE"
+            return None
         judged = [result for result in self.results if result.method not in self.approximations]
-        verdict = next((result for result in judged if result.status != "undecided"), judged[0])
+        return next((result for result in judged if result.status != "undecided"), judged[0])
+
+    @property
+    def _headline(self) -> str:
+        """The verdict in one line."""
+        verdict = self._verdict
+        if verdict is None:
+            return "METHODS DISAGREE"
         return in_one_line(verdict) if isinstance(verdict, Stability) else verdict._headline
 
     def _agreement(self) -> list[str]:
@@ -188,11 +195,18 @@ class Comparison(SideBySide):
         Returns
         -------
         dict of str
-            Among them ``methods``, a list with a dict for each.
+            Among them ``status``, None where methods disagree, ``verdict``, the same in words, and ``methods``, a list
+            with a dict for each.
         """
-        whole = super().as_dict()
-        methods = whole.pop("methods")
-        return {**whole, "approximations": list(self.approximations), "methods": methods}
+        whole, verdict = super().as_dict(), self._verdict
+        methods, status = whole.pop("methods"), None if verdict is None else verdict.status
+        return {
+            "status": status,
+            "verdict": self._headline,
+            **whole,
+            "approximations": list(self.approximations),
+            "methods": methods,
+        }
 
 
 def _contradict(one: Stability | SystemStability, other: Stability | SystemStability) -> bool:

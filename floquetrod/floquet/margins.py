@@ -60,6 +60,12 @@ class Margin(_Distances):
         searched = abs(below.searched - here), abs(above.searched - here)
         return cls(fall, rise, max(below.resolution, above.resolution), searched)
 
+    def __repr__(self) -> str:
+        """Return the distances, and how far was searched where there is no change."""
+        below, above = self.searched
+        searched = f", searched=({below:.6g}, {above:.6g})" if math.inf in self else ""
+        return f"Margin(below={self.below}, above={self.above}{searched})"
+
     @property
     def nearest(self) -> float:
         """The smaller of the two distances."""

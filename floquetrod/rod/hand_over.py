@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import UnionType
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
@@ -23,6 +24,7 @@ from floquetrod.floquet.equation_margins import charted_ranges, damping_in_words
 from floquetrod.floquet.references import ROD as ROD_REFERENCES
 from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Stability
+from floquetrod.plane import Chart
 from floquetrod.plotting import chart_plot, document, reach_plot
 from floquetrod.plotting.document import Document, DocumentSection, Illustration
 from floquetrod.plotting.record_plot import draw_record
@@ -74,7 +76,7 @@ def save_report(
 
     Parameters
     ----------
-    result : RodStability or another result with a ``report()``
+    result : RodStability, a chart, or another result with a ``report()``
         The result of ``rod.stability(load)``, or, for example, `Reach`, `SteadyMotion`, `PeriodicOrbit`, `SafeBox`,
         `Proof`.  The options from ``reach`` to ``margins`` are about verdicts on rods, ``units`` about a `Reach`, too.
     path : str or path
@@ -116,7 +118,8 @@ def save_report(
     >>> fr.save_report(verdict, "report.html", units={"mean": "Fcr", "frequency": "Hz"}).name  # doctest: +SKIP
     'report.html'
     """
-    _require("result", result, Reported, "a result with a report, such as what rod.stability returned")
+    what = "a result with a report, such as what rod.stability returned, or a chart"
+    _require("result", result, Reported | Chart, what)
     if reach is not None:
         _require("reach", reach, Reach, "what rod.reach returned")
     if motion is not None:
@@ -154,7 +157,7 @@ class _Options(NamedTuple):
         return {kinds[name]: unit for name, unit in (self.units or {}).items() if name in kinds}
 
 
-def _require(name: str, value: Any, kind: type, what: str) -> None:
+def _require(name: str, value: Any, kind: type | UnionType, what: str) -> None:
     if not isinstance(value, kind):
         raise validate.wrong_type(name, f"must be {what}, got {validate.short(value)}")
 
@@ -185,6 +188,15 @@ def _(result: Stability, options: _Options) -> Document:
     answer = DocumentSection("Answer", replace(report, headline="").with_assumptions(), _chart_about(result))
     sections = [*_files(options), answer, _made(result.references, options)]
     return Document("Stability of an equation", _about(options), [in_one_line(result)], sections)
+
+
+@_document.register
+def _(result: Chart, options: _Options) -> Document:
+    if options.units is not None:
+        raise validate.wrong_value("units", "must be left out: a chart has the units of its ranges, or chart.in_units")
+    drawn = Illustration(functools.partial(_plot, result), f"{_sentence(result.heading)}: the chart.")
+    sections = [*_files(options), DocumentSection("Answer", None, [drawn]), _made((), options)]
+    return Document("Chart of stability", _about(options), [_sentence(repr(result)[1:-1])], sections)
 
 
 @_document.register

@@ -196,6 +196,7 @@ def test_margins_are_those_of_the_system_and_of_the_curves() -> None:
     assert ours.below == math.inf
     assert ours.searched == pytest.approx((0.4, ours.above))
     assert ours.resolution == pytest.approx(0.5 / 9.0)
+    assert repr(ours) == f"Margin(below=inf, above={ours.above}, searched=(0.4, {ours.above:.6g}))"
     grown = fr.margin(fr.Mathieu, "beta", (-0.5, 0.0), alpha=0.1, beta=-0.25)
     assert fr.stability(fr.Mathieu(0.1, -0.25 - grown.below * 1.0001)).status == "stable"
     assert fr.stability(fr.Mathieu(0.1, -0.25 - grown.below * 0.9999)).status == "unstable"

@@ -148,6 +148,16 @@ def test_lines_of_a_pdf_fit_its_page() -> None:
     assert all(document._width(f"{a} {b.split()[0]}", 8.5) > 3.0 for a, b in pairwise(lines) if "x" not in b)
 
 
+def test_a_chart_is_handed_over_as_its_picture(tmp_path: Path) -> None:
+    chart = fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 5))
+    page = fr.save_report(chart, tmp_path / "chart.html").read_text(encoding="utf-8")
+    assert "Chart of stability" in page
+    assert "of 25 points stable" in page
+    assert page.count("<img") == 1
+    with pytest.raises(ValueError, match="units must be left out"):
+        fr.save_report(chart, tmp_path / "other.html", units={"mean": "N"})
+
+
 def test_what_is_wrong_writes_nothing(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"path must end in \.html or \.pdf, got '.*a\.doc'"):
         fr.save_report(STATIC, tmp_path / "a.doc")
