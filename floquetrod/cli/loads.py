@@ -118,9 +118,9 @@ def _require_quantities(options: argparse.Namespace) -> None:
         return
     missing = [f"--{name}" for name in QUANTITIES if getattr(options, name) is None]
     if missing:
-        raise ValueError(
-            f"the following arguments are required: {', '.join(missing)} (see floquetrod {options.command} --help)"
-        )
+        push = "; --mean is the constant push, 0 for a rod only shaken" if "--mean" in missing else ""
+        see = f"(see floquetrod {options.command} --help){push}"
+        raise ValueError(f"the following arguments are required: {', '.join(missing)} {see}")
 
 
 class Question(NamedTuple):

@@ -52,10 +52,10 @@ def draw_ranges(
     names = [in_words(band.cause) for band in growing]
     points = [(float(unit.of(0.5 * (band.low + band.high))), band.worst_growth) for band in growing]
     spans = sorted(((float(ends[0]), float(ends[1]), " to ".join(ends)) for ends in safe), key=lambda s: s[0] - s[1])
-    for left, right, name in spans[:_NAMED]:
-        if right - left <= _NARROW * (high - low):
-            break
+    for i, (left, right, name) in enumerate(spans):
         ax.plot([left, right], [_SPAN * top, _SPAN * top], color="black", marker="|", linewidth=0.8)
+        if i >= _NAMED or right - left <= _NARROW * (high - low):
+            continue
         names.append(name)
         points.append((0.5 * (left + right), _SPAN * top))
     add_leaders(ax, names, points, bars)
@@ -65,7 +65,7 @@ def draw_ranges(
     areas = [colours("", "stable")[1]]
     if found.unstable:
         pale = {"facecolor": palette.UNSEEN}, {"facecolor": palette.UNSTABLE}
-        areas = [*areas, patch("unstable", pale[0]), patch("as high as the fastest growth in it", pale[1])]
+        areas = [*areas, patch("unstable", pale[0]), patch("fastest growth in the band", pale[1])]
     if found.not_computed:
         areas.append(patch("not computed: axial resonance", {"facecolor": palette.NEUTRAL}))
     explain(ax, areas, found.note)

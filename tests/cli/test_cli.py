@@ -206,6 +206,7 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25", "--waveform", "square", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["agree"]
+    assert record["verdict"].startswith(record["status"].upper())
     names = [row["method"] for row in record["methods"]]
     assert names == [method.name for method in applicable(fr.Meissner(0.5, -0.25))]
     assert {"monodromy", "square_wave", "leapfrog", "reference"} <= set(names)
@@ -294,7 +295,7 @@ def test_an_equation_is_written_with_its_numbers() -> None:
     [
         ([], "command is missing; name one, such as floquetrod check"),
         (["check", *LOAD], "one of the arguments --system --rod is required"),
-        (["check", "--rod", "nitinol", *LOAD[2:]], "the following arguments are required: --mean"),
+        (["check", "--rod", "nitinol", *LOAD[2:]], "--mean is the constant push, 0 for a rod only shaken"),
         (["frobnicate"], "command must be one of check, .*, got 'frobnicate'"),
         (["check", "--rod", "nitinol", *LOAD, "--json=1"], "ignored explicit argument"),
         (["check", "--rod", "no.toml", *LOAD], "got 'no.toml': there is no such file"),
@@ -361,7 +362,7 @@ def test_errors_are_one_line_and_status_2(
         ('{sheet}\nradius = "0.8 kg"', "radius must be a number with a length unit"),
         ("{sheet}\nradius = -1", "radius must be greater than zero"),
         ("{sheet}\nradius = [1]", "radius must be a number with a length unit"),
-        ("{sheet}\nradius = 0.1", "half the diameters"),
+        ("{sheet}\nradius = 0.1", "half of channel_diameter"),
     ],
 )
 def test_bad_rod_files(text: str, message: str, tmp_path: Path) -> None:

@@ -31,6 +31,8 @@ def test_bars_and_named_ranges_are_those_of_the_answer(seed: int) -> None:
         assert (x.min(), x.max(), y.max()) == pytest.approx(
             (band.low / (2 * np.pi), band.high / (2 * np.pi), band.worst_growth)
         )
+    spans = [line for line in ax.lines if line.get_marker() == "|"]
+    assert len(spans) == len(str(found.report()).split("\n")[0].split(" to ")) - 1  # a bracket for each safe range
     (labels,) = (each for each in ax.artists if type(each).__name__ == "Leaders")
     ranges = [text.get_text() for text in labels.texts if " to " in text.get_text()]
     listed = str(found.report()).split("safe: ")[1].split("\n")[0].replace(", except", " Hz, except").split(" Hz, ")

@@ -47,7 +47,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: ROD.replace(outer_diameter=1e-3), "Rod()", "'outer_diameter'", "the outer diameter is diameter"),
     (lambda: ROD.replace(length=-3), "length", "-3", "give it in m"),
     (lambda: ROD.replace(length=True), "length", "True", "give it in m"),
-    (lambda: ROD.replace(radius=9.4e-3), "channel_radius", "0.0094", "half the diameters"),
+    (lambda: ROD.replace(radius=9.4e-3), "channel_radius", "0.0094", "half of channel_diameter"),
     (lambda: ROD.replace(diameter=1e-3, radius=1e-3), "diameter", "0.001", "give one of them"),
     (lambda: ROD.replace(inclination=60), "inclination", "60", "radians"),
     (lambda: ROD.replace(ends="clampd"), "ends", "'clampd'", "did you mean clamped?"),
@@ -110,7 +110,12 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.mathiue, "floquetrod", "'mathiue'", "did you mean mathieu?"),  # type: ignore[attr-defined]
     (lambda: fr.AxialLoad("4:8N", 1, 1), "mean", "4:8N", "one value is needed"),  # type: ignore[arg-type]
     (lambda: fr.ensembles.Runs.load(Path(__file__).parent), "Runs.load", "folder", "open_zarr"),
-    (lambda: ROD.replace(channel_diameter=1e-3), "channel_radius", "0.0005 m", "diameters 0.001 m and 0.0016 m"),
+    (
+        lambda: ROD.replace(channel_diameter=1e-3),
+        "channel_radius",
+        "0.0005 m",
+        "half of channel_diameter = 0.001 m and of diameter = 0.0016 m",
+    ),
     (lambda: fr.mathieu.exponent, "mathieu", "'exponent'", "did you mean exponents?"),  # type: ignore[attr-defined]
     (lambda: fr.NonlinearSystem(lambda x, t: (x[1], -x[0])), "function", "(x, t)", "t and x in this order"),
     (lambda: fr.stable, "floquetrod", "'stable'", "did you mean stability?"),  # type: ignore[attr-defined]

@@ -390,7 +390,7 @@ SHEET = {"youngs_modulus": 68e9, "density": 6500.0, "radius": 0.8e-3, "length": 
     ("change", "error", "message"),
     [
         ({"length": -3.1}, ValueError, "length must be greater than zero, got -3.1; give it in m"),
-        ({"radius": 5e-3}, ValueError, "half the diameters"),
+        ({"radius": 5e-3}, ValueError, "half of channel_diameter"),
         ({"density": math.nan}, ValueError, "density must be finite"),
         ({"youngs_modulus": "68Gpu"}, ValueError, "youngs_modulus must be a number with a pressure unit"),
         ({"gravity": 0.0}, ValueError, "gravity must be greater than zero"),

@@ -61,9 +61,8 @@ def _no_room(p: Mapping[str, float]) -> ValueError:
     channel, outer = p["channel_radius"], p["radius"]
     return wrong_value(
         "channel_radius",
-        f"must exceed the rod's radius, got channel_radius = {channel:g} m and "
-        f"radius = {outer:g} m, half the diameters {2.0 * channel:g} m and "
-        f"{2.0 * outer:g} m",
+        f"must exceed the rod's radius, got {channel:g} m and {outer:g} m: half of channel_diameter = "
+        f"{2.0 * channel:g} m and of diameter = {2.0 * outer:g} m",
     )
 
 

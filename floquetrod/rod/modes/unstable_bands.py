@@ -76,8 +76,8 @@ class BandSearch:
         if not tongues:
             return None
         upwards = edge == bounds[0]
-        first = min(tongues, key=lambda part: abs((part.low if upwards else part.high) - edge))
-        near = first.low if upwards else first.high
+        begins = min(tongues, key=lambda part: abs((part.low if upwards else part.high) - edge))
+        near = begins.low if upwards else begins.high
         gaps = [gap for gap in complement(bounds, tongues) if (gap.low > near if upwards else gap.high < near)]
         end = bounds[1] if upwards else bounds[0]
         if gaps:
@@ -85,9 +85,9 @@ class BandSearch:
         low, high = sorted((near, end))
         inside = [part for part in tongues if low <= part.low and part.high <= high]
         mode = np.array([part.mode for part in inside], dtype=np.int64)
-        ends = (np.array([part[side] for part in inside]) for side in (0, 1))
-        peaks = _peaks(lambda x, i: self._growth(mode[i], x), *ends, _SAMPLES, _STEPS)
-        return BandBeyond(first.mode, first.tongue, float(peaks.value.max()), is_thin=bool(gaps))
+        first, last = (np.array([part[side] for part in inside]) for side in (0, 1))
+        peaks = _peaks(lambda x, i: self._growth(mode[i], x), first, last, _SAMPLES, _STEPS)
+        return BandBeyond(begins.mode, begins.tongue, float(peaks.value.max()), is_thin=bool(gaps))
 
     def _dampings(
         self, bands: Sequence[tuple[float, float]], band: Ints, mode: Ints, low: Floats, high: Floats

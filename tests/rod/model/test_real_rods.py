@@ -255,7 +255,7 @@ SIZED = {**STEEL, "radius": 0.0254, "length": 60.0, "channel_radius": 0.062}
     ("change", "error", "message"),
     [
         ({"inner_radius": 0.0254}, ValueError, "inner_radius.* must be less than the outer radius"),
-        ({"inner_radius": 0.03}, ValueError, "half the diameters|half of inner_diameter"),
+        ({"inner_radius": 0.03}, ValueError, "half of channel_diameter|half of inner_diameter"),
         ({"inner_radius": 0.0254 * (1.0 - 1e-9)}, ValueError, "inner_radius.* must be less than the outer radius"),
         ({"inner_radius": -0.01}, ValueError, "inner_radius must be zero or more"),
         ({"inner_radius": "21min"}, ValueError, "inner_radius must be a number with a length unit"),
