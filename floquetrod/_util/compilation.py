@@ -10,11 +10,11 @@ Kernels lie in folders `kernels/` beside their subject, one or more to a file, a
 Called kernels are compiled for the types of their arguments, not for each constant they are called with; only a
 parameter annotated `Literal` is, where that pays.  Records have named fields, not numbered columns; kernels that often
 run interpreted take views of the fields.  `fastmath` stays off: NaN and infinity must keep their meaning.  While numba
-compiles, Ctrl-C takes effect at the end of a pass.  The logger `floquetrod.compile` reports at the level INFO what is
-compiled, which the terminal shows, and warns once per process that it takes some seconds.
+compiles, Ctrl-C takes effect at the end of a pass.  The logger `floquetrod.compile` reports each function that is
+compiled at the level INFO, which the terminal shows, and warns once per process that it takes some seconds.
 
 *Threads.*  `over_chunks` and `in_threads` start with the calling thread alone, estimate the remaining time from the
-chunks that are done, and then start as many threads as have a millisecond of work each.  Chunks do not depend on the
+finished chunks, and then start as many threads as have a millisecond of work each.  Chunks do not depend on the
 number of threads, and no thread outlives a call.
 """
 

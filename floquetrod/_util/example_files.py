@@ -19,7 +19,7 @@ def content(name: str) -> str:
 
 
 def summary(name: str) -> str:
-    """Return the first sentence of a file, which says what is in it."""
+    """Return the first sentence of a file, which describes its content."""
     first = content(name).partition("\n")[0].removeprefix("# ")
     return re.split(r"(?<=[.?])\s", first)[0]
 

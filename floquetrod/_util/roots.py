@@ -24,7 +24,7 @@ def roots(
     ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i.  The values ``at_low``
     and ``at_high`` have opposite signs, or are zero; NaN counts as negative.
 
-    With an ``accuracy`` for each bracket, for functions that are costly, straight lines give the first place and the
+    With an ``accuracy`` for each bracket, for costly functions, straight lines give the first place and the
     zero in a bracket no wider than twice this.
 
     T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145, doi:10.1016/S0965-9978(96)00051-8.

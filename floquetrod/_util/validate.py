@@ -268,7 +268,7 @@ def complex_array(name: str, values: Any, largest: float = LARGEST) -> NDArray[A
 
 
 def _part(value: Any, part: str) -> Any:
-    """Return the real or the imaginary part of a number, a real one of any kind as it is."""
+    """Return the real or the imaginary part of a number, a real number of any kind unchanged."""
     if isinstance(value, complex | np.complexfloating):
         return getattr(value, part)
     return value if part == "real" else 0.0

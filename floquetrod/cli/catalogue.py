@@ -1,4 +1,4 @@
-"""`floquetrod catalogue`: the pipes and rods that are known by their size."""
+"""`floquetrod catalogue`: the pipes and rods known by their size."""
 
 from __future__ import annotations
 

@@ -180,7 +180,7 @@ def _check(options: argparse.Namespace) -> Output:
 
 
 class _Said(NamedTuple):
-    """A verdict, and what is said beside it."""
+    """A verdict, and the remarks beside it."""
 
     result: RodStability | fr.results.FrictionalRodStability
     margins: dict[Quantity, Margin] | None

@@ -255,7 +255,7 @@ _NO_COLON = re.compile(r"\s*(\d[\d.]*[a-zA-Z/%]*)\s*(?:[-\N{EN DASH};,]|\.\.+|to
 
 
 def read_range(text: str, name: load.Quantity, rod: fr.Rod) -> list[float]:
-    """Return one quantity, or both ends of a range; a first end without a unit has that of the second."""
+    """Return one quantity, or both ends of a range; a first end without a unit has the unit of the second."""
     first, colon, last = text.partition(":")
     apart = None if colon else _NO_COLON.fullmatch(text)
     if apart is not None:
@@ -300,7 +300,7 @@ def units_typed(options: argparse.Namespace) -> dict[str, str]:
 
 
 def units_shown(options: argparse.Namespace, kinds: Sequence[str], such_as: str) -> dict[str, str]:
-    """Return the units of an answer by their kinds: those of --unit, else those typed; a critical force is none."""
+    """Return the units of an answer by their kinds, from --unit, else as typed; a critical force is no unit."""
     shown = {**units_typed(options), **units_asked(options.unit, kinds, such_as)}
     for kind, name in shown.items():
         units.unit(name, "--unit", kind)
@@ -313,9 +313,9 @@ def _typed_unit(text: str) -> str | None:
 
 
 def read_units(options: argparse.Namespace, rod: fr.Rod, like: load.Load | None = None) -> dict[str, str]:
-    """Return the unit of each quantity in the answer: that of --unit, else the one it was given in, else SI.
+    """Return the unit of each quantity in the answer: from --unit, else the unit it was given in, else SI.
 
-    The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.
+    An end of a range without a unit has the unit of the other end.  Without --kick the unit of kicks is mm/s.
     Quantities that no option gives, but the load ``like`` of a measured force, are in the unit in which another force
     was typed, else in the record's.
     Other forces, lengths and pressures are among them where something tells their unit.
@@ -362,7 +362,7 @@ def bare_numbers_typed(options: argparse.Namespace) -> list[str]:
 
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:
-    """Return the rod that the options describe, given in the units of the options, then those of its file."""
+    """Return the rod that the options describe, given in the units of the options, then the units of its file."""
     rod = _rod(options)
     typed = units_given({name: getattr(options, name, None) for name in OPTIONS if name != "path"})
     return rod.given_in(typed.or_else(rod.given_units))
@@ -408,7 +408,7 @@ def _require_of_the_whole(options: argparse.Namespace, rod: fr.Rod, changes: Ite
 
 
 def _require_listed(name: str, missing: Sequence[str]) -> None:
-    """Raise ValueError for a pipe that the catalogue does not hold, which names the options that are missing, too."""
+    """Raise ValueError for a pipe that the catalogue does not hold, which names the missing options, too."""
     from floquetrod.rod.model.catalogue import pipe
 
     try:
@@ -649,7 +649,7 @@ def command_typed() -> str:
 
 @contextmanager
 def compiling_told() -> Iterator[None]:
-    """Report on stderr, the first time that something is compiled, what is being waited for."""
+    """Report on stderr, the first time that something is compiled, that this takes time."""
     log, teller = logging.getLogger("floquetrod.compile"), _CompilingTold()
     level = log.level
     log.setLevel(logging.INFO)

@@ -107,7 +107,7 @@ def _read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | N
 
 
 def _read_kind(options: argparse.Namespace, rod: fr.Rod) -> tuple[fr.ForceRecord | None, Load]:
-    """Return the measured force, and a load of the kind that the options describe, its numbers those of the record."""
+    """Return the measured force, and a load of the kind that the options describe, with the numbers of the record."""
     record = _read_record(options, rod)
     return record, reading.read_kind(vars(options), record, option)
 
@@ -162,7 +162,7 @@ def _is_record_alone(options: argparse.Namespace) -> bool:
 
 
 class Ranges(NamedTuple):
-    """A question about loads on a rod: of each quantity one value or both ends of a range, or those of ``like``."""
+    """A question about loads on a rod: of each quantity a value or both ends of a range, or the values of ``like``."""
 
     rod: fr.Rod
     like: Load

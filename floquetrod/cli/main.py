@@ -137,7 +137,7 @@ class _Telling:
         self.known.setdefault(text, at_once)
 
     def rest(self) -> None:
-        """Print what has been kept back."""
+        """Print the text kept back."""
         for text in [text for text, printed in self.known.items() if not printed]:
             self._say(text)
 

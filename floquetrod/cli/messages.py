@@ -19,7 +19,7 @@ _OPTIONS = {
 
 
 def option(name: str) -> str:
-    """Return the option that sets an argument, as it is typed."""
+    """Return the option that sets an argument, in the spelling of the terminal."""
     return name if name.startswith("--") else _OPTIONS.get(name, f"--{name.replace('_', '-')}")
 
 

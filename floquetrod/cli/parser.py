@@ -83,7 +83,7 @@ class Parser(argparse.ArgumentParser):
         print(message, end="", file=file, flush=True)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Return what argparse does, where every word is known; what is unknown is an error here."""
+        """Return what argparse does, where every word is known; an unknown word is an error here."""
         words = list(args)
         self.files: dict[str, Path] = {}
         for word in takewhile(lambda word: word != "--" and self._is_own(word), words):
@@ -107,7 +107,7 @@ class Parser(argparse.ArgumentParser):
         return tuple(self._option_string_actions)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse what is not among the choices of an option, or is no command."""
+        """Refuse a word that is not among the choices of an option, or is no command."""
         known = list(action.choices or ())
         for word in value if isinstance(value, list) else [value]:  # the list is empty: of any number of words, none
             if known and word not in known:
@@ -115,7 +115,7 @@ class Parser(argparse.ArgumentParser):
                 raise argparse.ArgumentError(action, wrong)
 
     def _is_own(self, word: str) -> bool:
-        """Return whether a word is for this parser: what follows the name of a command is for that of the command."""
+        """Return whether a word is for this parser: words after the name of a command are not."""
         return self._subparsers is None or word[:1] in _DASHES
 
     def _require_known(self, word: str) -> None:

@@ -184,7 +184,7 @@ def units_along(options: argparse.Namespace, *kinds: str) -> dict[str, str]:
 
 
 def read_depths(text: str) -> list[str]:
-    """Return the depths of a list, or ten from one to another, in one unit; one at the end is that of all."""
+    """Return the depths of a list, or ten from one to another, in one unit; a unit at the end is the unit of all."""
     parts = text.replace(":", ",").split(",")
     values = [units.quantity(each, "--depths", "length") for each in units.same_unit(*parts)]
     if ":" in text:

@@ -167,7 +167,7 @@ def _simulate(options: argparse.Namespace) -> Output:
 
 
 def _perturbation(options: argparse.Namespace) -> fr.Perturbation | None:
-    """Return what sets the rod moving, None where a run has it from which the rod starts."""
+    """Return the perturbation that sets the rod moving, None where the rod starts from the state of a run."""
     if options.start is None:
         return read_perturbation(vars(options), option)
     for name in ("kick", "random", "case", "seed"):

@@ -128,7 +128,7 @@ class Runs(NoTruthValue, ByContent):
     def to_csv(self, path: str | Path) -> Path:
         """Write a table with one row for each run: its varied quantities and its results, units in the headings.
 
-        Words stand for the status and the outcome, nothing for results of runs that are not done.  What has dimensions
+        Words stand for the status and the outcome, nothing for results of unfinished runs.  What has dimensions
         of its own, such as frames, is left out.
 
         Returns

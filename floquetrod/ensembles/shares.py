@@ -45,7 +45,7 @@ class ShareAlong(NamedTuple):
 def shares_along(runs: Any, name: str, confidence: Any) -> list[ShareAlong]:
     """Return the share of runs with a result along each quantity that varies, averaged over all others.
 
-    Chosen values are points; values that are drawn are put into bins of as many runs each.  Empty where nothing is
+    Chosen values are points; drawn values are put into bins of as many runs each.  Empty where nothing is
     drawn.
     """
     dims = runs.variables["status"].dims

@@ -221,7 +221,7 @@ def require_same(place: Path, attrs: Mapping[str, Any], study: Design, frames: b
 
 
 def _axes_apart(theirs: list[list[str]], ours: list[list[str]]) -> str:
-    """Return in words how what is varied in a store differs from this study."""
+    """Return in words how the varied quantities of a store differ from this study's."""
     there, here = ({name: values for name, *values in axes} for axes in (theirs, ours))
     if there.keys() != here.keys():
         return f"it varies {', '.join(there) or 'nothing'}, and this one {', '.join(here) or 'nothing'}"

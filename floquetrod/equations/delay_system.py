@@ -162,7 +162,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For durations that are not positive or do not add up to one period, for delays that are not positive,
+            For durations not above 0 or that do not add up to one period, for delays that are not positive,
             and for matrices of other shapes.
 
         Examples
@@ -360,7 +360,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For durations that are not positive or do not add up to one period, for delays that are not positive,
+            For durations not above 0 or that do not add up to one period, for delays that are not positive,
             and for matrices of other shapes.
 
         Examples
@@ -561,7 +561,7 @@ class DelaySystem(ByContent):
 def moved(system: DelaySystem) -> Iterator[DelaySystem]:
     """Yield the system with one entry of one coefficient larger by the coefficient error, for each entry.
 
-    The sum of the changes of a multiplier is its error by errors of the coefficients that are constant, to first order.
+    The sum of the changes of a multiplier is its error by constant errors of the coefficients, to first order.
     Of more than `_ENTRY_BY_ENTRY` equations the n entries of a cyclic diagonal are moved at once, by sqrt(n) times the
     error: their changes may cancel, and sum_i |x_i| is at most sqrt(n) times the root of sum_i |x_i|^2.
     """

@@ -44,7 +44,7 @@ class Hill(Equation):
     Raises
     ------
     TypeError, ValueError
-        For coefficients that are not finite numbers, a period that is not positive, and negative damping.
+        For coefficients other than finite numbers, a period not above 0, and negative damping.
 
     Examples
     --------
@@ -135,7 +135,7 @@ class Hill(Equation):
         Raises
         ------
         TypeError, ValueError
-            For instants that are not finite numbers.
+            For instants other than finite numbers.
         """
         phase = (2.0 * math.pi / self.period) * times(tau, self.period)
         total = np.full(phase.shape, self.mean)

@@ -177,7 +177,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         Raises
         ------
         TypeError, ValueError
-            For durations that are not positive, matrices whose shapes do not fit, and a mass that is not positive
+            For durations not above 0, matrices whose shapes do not fit, and a mass that is not positive
             definite.
 
         Examples
@@ -460,7 +460,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         Raises
         ------
         TypeError, ValueError
-            For instants that are not finite numbers, and for a batch.
+            For instants other than finite numbers, and for a batch.
         """
         return by_pieces.value_at(self, t)
 

@@ -163,7 +163,7 @@ class Mathieu(Alternating):
         Raises
         ------
         TypeError, ValueError
-            For instants that are not finite numbers.
+            For instants other than finite numbers.
         """
         tau = times(tau, self.period)
         return shaped(self.beta + self.alpha * np.sin(tau), tau.shape)
@@ -269,7 +269,7 @@ class MathieuAQ(Equation):
 
 
 def in_tau(equation: Any) -> Any:
-    """Return Mathieu's equation of (a, q) as that of (alpha, beta), of which kernels know; any other as it is."""
+    """Return Mathieu's equation of (a, q) in (alpha, beta), which kernels know; any other unchanged."""
     return equation.in_tau if isinstance(equation, MathieuAQ) else equation
 
 

@@ -204,7 +204,7 @@ def square(
 
 
 def dense(value: Any) -> Any:
-    """Return a sparse matrix as an array, anything else as it is."""
+    """Return a sparse matrix as an array, anything else unchanged."""
     return value.toarray() if validate.is_sparse(value) else value
 
 

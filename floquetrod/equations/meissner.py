@@ -73,7 +73,7 @@ class Meissner(Alternating):
         Raises
         ------
         TypeError, ValueError
-            For instants that are not finite numbers.
+            For instants other than finite numbers.
         """
         tau = times(tau, self.period)
         return shaped(self.beta + self.alpha * np.sign(np.sin(tau)), tau.shape)

@@ -49,7 +49,7 @@ class NonlinearSystem(ByContent):
     Raises
     ------
     TypeError, ValueError
-        For a function that does not take its arguments, a period that is not positive, and parameters that are not
+        For a function that does not take its arguments, a period not above 0, and parameters that are not
         numbers.
 
     Examples

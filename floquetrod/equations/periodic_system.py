@@ -48,7 +48,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     Raises
     ------
     TypeError, ValueError
-        For matrices whose shapes do not fit, entries that are not finite, and a period that is not positive.
+        For matrices whose shapes do not fit, entries that are not finite, and a period not above 0.
 
     Examples
     --------
@@ -120,7 +120,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         Raises
         ------
         TypeError, ValueError
-            For durations that are not positive, and matrices whose shapes do not fit.
+            For durations not above 0, and matrices whose shapes do not fit.
 
         Examples
         --------
@@ -177,7 +177,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     def from_samples(cls, times: Any, values: Any, period: float) -> PeriodicSystem:
         """Return the system whose A(t) goes through a table of matrices: a Fourier series of (N - 1) // 2 harmonics.
 
-        At equal distances it is the trigonometric interpolation, at others that of a periodic cubic spline.
+        At equal distances it is the trigonometric interpolation, at other distances a periodic cubic spline.
         ``coefficient_error`` estimates its error, which verdicts include, from how fast harmonics fall; where noise of
         the values keeps them from falling it is the sum of those in the upper third.  A table with jumps has large
         errors: give pieces.
@@ -233,7 +233,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
     @cached_property
     def is_complex(self) -> bool:
-        """Whether a matrix has entries that are not real, in a batch that of any of its systems."""
+        """Whether a matrix has complex entries; of a batch, whether a matrix of any system has."""
         return any(matrix.dtype.kind == "c" for matrix in self.every_matrix)
 
     @property
@@ -324,6 +324,6 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         Raises
         ------
         TypeError, ValueError
-            For instants that are not finite numbers, and for a batch.
+            For instants other than finite numbers, and for a batch.
         """
         return by_pieces.value_at(self, t)

@@ -343,7 +343,7 @@ def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
 
 
 def real_form(system: Any) -> Any:
-    """Return the real system of twice the order that a complex system of first order is; a real one as it is."""
+    """Return the real system of twice the order that a complex system of first order is; a real one unchanged."""
     return getattr(system, "real_form", system)
 
 

@@ -5,7 +5,7 @@ as many harmonics and comes from a periodic cubic spline through the values.  Th
 
 - The sum of the harmonics left out follows from the sums in the last third of the spectrum and in the third before.
   From third to third they are taken to fall by the factor seen to the power 2/3, since parts that fall fast hide
-  others, and twice their sum is stated.  Noise of the values does not fall, and counts as it is.
+  others, and twice their sum is stated.  Noise of the values does not fall, and counts in full.
 - A spline's error falls like the fourth power of the distances.  Splines through every other value miss the values
   between by about 16 errors of the full spline; half of the largest of these is the least error stated.
 

@@ -106,7 +106,7 @@ class TwoFrequencies(TellsAttributes, ByContent):
 
     @property
     def time(self) -> str:
-        """Name of the time, per unit of which growth rates are."""
+        """Name of the unit of time in which growth rates are given."""
         return self.equation.time if isinstance(self.equation, Equation) else "unit of time"
 
     def __repr__(self) -> str:

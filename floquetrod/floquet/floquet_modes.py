@@ -76,7 +76,7 @@ class FloquetMode(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For times that are not finite numbers.
+            For times other than finite numbers.
         """
         times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
         phase = times - np.floor(times / self.period) * self.period

@@ -1,4 +1,4 @@
-"""Two frequencies that are not commensurate: growth as the limit of periodic approximants.
+"""Two incommensurate frequencies: growth as the limit of periodic approximants.
 
 With coefficients of the frequencies w_1 and w_2 the maps over a period of the first depend on the phase y of the
 second, and y advances by 2 pi phi from one period to the next, phi = w_2 / w_1.  Where phi is replaced by a fraction
@@ -102,7 +102,7 @@ class QuasiperiodicGrowth(NamedTuple):
 def quasiperiodic_growth(
     equation: TwoFrequencies, *, tolerance: float = 1e-4, most: int = _MOST
 ) -> QuasiperiodicGrowth:
-    """Return how fast solutions grow whose coefficients have two frequencies that are not commensurate.
+    """Return how fast solutions grow whose coefficients have two incommensurate frequencies.
 
     Parameters
     ----------

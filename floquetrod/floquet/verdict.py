@@ -7,7 +7,7 @@ included, says "undecided" when the error covers both answers, and decides const
 
 Every verdict, on an equation, a system or a rod, has the core `Verdict`: status, growth, exponents and multipliers,
 error, cost, note, assumptions; on equations and systems it is a
-`FloquetVerdict`, with what is special to one row in `Stability` and to several in `SystemStability`.
+`FloquetVerdict`, with the fields of one row in `Stability` and of several in `SystemStability`.
 """
 
 from __future__ import annotations

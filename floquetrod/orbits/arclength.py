@@ -101,7 +101,7 @@ def rows_of(
 ) -> list[BorderRow]:
     """Return a phase condition, where the orbit is autonomous, and a last row.
 
-    ``flow`` is that of the reference, if it is known.
+    ``flow`` is the flow at the reference, if it is known.
     """
     if collocation.turns:
         return [last]

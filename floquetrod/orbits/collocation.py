@@ -392,7 +392,7 @@ class Collocation(ByContent):
     ) -> Step:
         """Return the step of Newton's method at a point; `numpy.linalg.LinAlgError` where there is none.
 
-        ``scale`` (n,) is that of the point, if it is known.
+        ``scale`` (n,) is the scale of the states at the point, if it is known.
         """
         scalars = self.values(point)
         missed = [row.target - (np.vdot(row.nodes, point.nodes) + np.vdot(row.scalars, scalars)) for row in rows]

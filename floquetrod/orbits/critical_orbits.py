@@ -157,7 +157,7 @@ class CriticalEquations(ByContent):
     ) -> Solved:
         """Return the critical orbit near one across a direction, or with one parameter pinned to a value.
 
-        The direction is that of the curve where none is given.  Raises NoOrbitError.
+        The default direction is along the curve.  Raises NoOrbitError.
         """
         before = np.inf
         with np.errstate(all="ignore"):

@@ -207,7 +207,7 @@ def _discretised(
     intervals: int,
     growth: Floats | None = None,
 ) -> tuple[Collocation, Point]:
-    """Return the equations on a first mesh, and a guess there; ``growth`` (n,) is that of states in a period."""
+    """Return the equations on a first mesh, and a guess there; ``growth`` (n,) is the growth of states in a period."""
     n = guess.states.shape[1]
     shares = guess.times / guess.period
     density = _density(guess, shares)
@@ -237,7 +237,7 @@ def _degree(order: int) -> int:
 
 
 def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -> PeriodicOrbit:
-    """Return the orbit near a point, on a mesh fine enough for the tolerance; the parameter stays as it is.
+    """Return the orbit near a point, on a mesh fine enough for the tolerance; the parameter is fixed.
 
     The mesh is refined until the estimates of `orbit_mesh.interior_errors` are within the tolerance.  The orbit is then
     solved again with two more points in each interval: the difference is its error, and where this is too large the

@@ -62,7 +62,7 @@ def corrected(
 ) -> Corrected:
     """Return the solution of the equations and rows near a point; `NoOrbitError` where Newton's method finds none.
 
-    ``known`` holds what is known at the point.
+    ``known`` holds the values computed before at the point.
     """
     (rates, residual, by_parameter), before, chord = known or Known(), np.inf, False
     condensed: Condensed | None = None

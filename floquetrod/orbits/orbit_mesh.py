@@ -64,7 +64,7 @@ def _factors(degree: int, shares: tuple[float, ...]) -> Floats:
 
 
 def between_points(values: Floats, degree: int) -> Floats:
-    """Return values (N, m, n) at the Gauss points at those of another degree, by the polynomials through them."""
+    """Return values (N, m, n) at the Gauss points, by polynomials through values at points of another degree."""
     return np.asarray(_point_factors(values.shape[1], degree) @ values)
 
 

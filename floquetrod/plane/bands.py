@@ -24,8 +24,12 @@ class MergedTongue(NamedTuple):
 
     Attributes
     ----------
-    mode, partner, tongue
-        As of a `Band`.
+    mode : int or None
+        Mode that grows; None where it is not known.
+    partner : int or None
+        The other mode of a combination resonance, negative of a difference; None where one mode grows alone.
+    tongue : int or None
+        Order of the resonance; None where it is not known.
     place : tuple of float
         (x, y) where it begins.
     """

@@ -51,7 +51,7 @@ def merging_tongues(ring: Floats) -> list[Foot]:
 
 @dataclass(eq=False)
 class _Part:
-    """A part of a polygon below a level, of which nothing else is connected with it there."""
+    """A part of a polygon below a level, not connected there with the rest."""
 
     tip: tuple[float, float]
     end: float = float("inf")  # level at which it first meets another

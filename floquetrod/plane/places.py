@@ -120,7 +120,7 @@ class Plane:
         return np.asarray(inside + zero[:, None] * span)
 
     def _growth(self, shares: Floats) -> Floats:
-        """Return signed growth at places, most of which were judged before; NaN beyond the plane."""
+        """Return signed growth at places, mostly judged before; NaN beyond the plane."""
         places = list(map(tuple, shares.tolist()))
         new = [place for place in places if place not in self._excess]
         if new:
@@ -128,7 +128,7 @@ class Plane:
         return np.array([self._excess.get(place, np.nan) for place in places])
 
     def _at_edges(self, shares: Floats) -> Floats:
-        """Return places with those on the edges that are nearer to them than vertices are accurate."""
+        """Return places, moved to an edge where they are nearer to it than vertices are accurate."""
         near = (np.abs(shares) < 2.0 * self.vertex, np.abs(shares - 1.0) < 2.0 * self.vertex)
         return np.where(near[0], 0.0, np.where(near[1], 1.0, shares))
 

@@ -328,7 +328,7 @@ class _Pages:
 
 
 def _wrapped(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
-    """Return the lines of a text that are no wider than so many inches; words that are wider are divided."""
+    """Return a text in lines no wider than so many inches; wider words are divided."""
     lines = [""]
     for word in _words(text, width, size, weight):
         longer = f"{lines[-1]} {word}" if lines[-1] else word

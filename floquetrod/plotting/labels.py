@@ -53,7 +53,7 @@ def add_labels(
     """Name the bands in axes whenever these are drawn; ``halo``: letters are edged, for areas that may be dark.
 
     ``note`` makes the note over the legend of what a label means, which then is explained by one that is drawn, or by
-    one of the ``others``, bands that are named elsewhere.
+    one of the ``others``, bands named elsewhere.
     """
     named = sorted((band for band in bands if label(band)), key=_area, reverse=True)[:_MOST]
     if not named:

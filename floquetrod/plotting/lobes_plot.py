@@ -18,7 +18,7 @@ _FARTHEST = 40.0  # typographic points from a lobe to its name (a choice)
 
 
 def draw_lobes(lobes: Any, ax: Any = None) -> Any:
-    """Draw stability lobes: the chart, with the names of the widest in what is stable, near the lowest point of each.
+    """Draw stability lobes: the chart, with the names of the widest lobes below them, near the lowest point of each.
 
     Where there are none the chart says why.
     """

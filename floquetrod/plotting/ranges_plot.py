@@ -1,4 +1,4 @@
-"""The drawing of what is stable along one quantity of a load."""
+"""The drawing of stable and unstable intervals along one quantity of a load."""
 
 from __future__ import annotations
 

@@ -171,7 +171,7 @@ def _pushes(result: Any) -> Iterator[_Push]:
 
 
 def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
-    """Draw the force at the injector over the depth of the lower end, as deep as it is pushed."""
+    """Draw the force at the injector over the depth of the lower end, down to the depth reached."""
     unit, depth = shown.force, shown.length.of(result.depth)
     names, points = [], []
     for push in _pushes(result):

@@ -17,7 +17,7 @@ _BEYOND = 3.0  # times the frequency of the last harmonic kept, up to which the 
 def draw_record(record: Any, ax: Any, force: Unit) -> Any:
     """Draw a `floquetrod.ForceRecord` on two axes: its first periods with the fit, and its spectrum with the noise.
 
-    Forces are in the unit ``force``; without axes they are those of a new figure.
+    Forces are in the unit ``force``; without axes a new figure is made.
     """
     from matplotlib import pyplot
 

@@ -159,7 +159,7 @@ class PiecewiseMotion(ByContent):
 
 
 def trimmed(amplitudes: Complexes) -> Complexes:
-    """Return amplitudes (2 K + 1, n) without the outermost harmonics that are negligible."""
+    """Return amplitudes (2 K + 1, n) without the negligible outermost harmonics."""
     middle = len(amplitudes) // 2
     sizes = np.abs(amplitudes)
     top = np.maximum(sizes.max(axis=0), 1e-300)

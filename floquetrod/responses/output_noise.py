@@ -80,7 +80,7 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
     method : str
         "lyapunov", the periodic Lyapunov equation, for white noise; or "transfer", the sum over transfer functions.
     period : float
-        T, that of the coefficients.
+        T, the period of the coefficients.
     error : float
         Estimate of the error of the covariance as a fraction of the largest variance.
     """
@@ -116,7 +116,7 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
         Raises
         ------
         TypeError, ValueError
-            For times that are not finite numbers.
+            For times other than finite numbers.
         """
         limit = 1e14 * self.period
         times = validate.array("time", time, least=-limit, largest=limit)

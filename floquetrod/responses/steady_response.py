@@ -100,7 +100,7 @@ class Response(ByContent, NoTruthValue, Reported):
         Raises
         ------
         TypeError, ValueError
-            For times that are not finite numbers, and for a derivative other than 0 and 1.
+            For times other than finite numbers, and for a derivative other than 0 and 1.
         """
         limit = _LATEST * self.period
         times = validate.array("time", time, least=-limit, largest=limit)
@@ -144,7 +144,7 @@ class Response(ByContent, NoTruthValue, Reported):
 
     @cached_property
     def rms(self) -> Any:
-        """Root mean square over time, a number, of a system (n,); of a complex motion that of its modulus."""
+        """Root mean square over time, a number, of a system (n,); of a complex motion from its modulus."""
         return self._of(np.sqrt(self._motion.mean_squares()))
 
     @property

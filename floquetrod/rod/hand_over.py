@@ -350,7 +350,7 @@ def _files(options: _Options) -> list[DocumentSection]:
 
 
 def _verdict(verdict: RodStability, options: _Options) -> Report:
-    """Return what is said of a verdict beside rod, load and assumptions."""
+    """Return the lines on a verdict beside rod, load and assumptions."""
     searched = verdict.has_quick_margins if options.margins is None else options.margins
     report = verdict.report(options.units, verdict.margins(progress=options.progress) if searched else None)
     if verdict.rod.varies:  # whose sections are among the inputs
@@ -506,7 +506,7 @@ def _is_steep(path: WellPath) -> bool:
 
 
 def _of_reach(reach: Reach, options: _Options) -> Report:
-    """Return what is said of a reach beside well, tool and assumptions."""
+    """Return the lines on a reach beside well, tool and assumptions."""
     return _without(reach.report(**options.of_reach), "assumed", "wellhead")
 
 

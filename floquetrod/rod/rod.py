@@ -134,7 +134,7 @@ class Rod(RodData, ShownInNotebook):
         `response`, and changes no verdict.
     yield_strength : float or str, optional
         Yield strength of the material in Pa, or with a unit such as "620MPa", to which `stress` is compared; a pipe of
-        the catalogue has that of its grade.
+        the catalogue has the one of its grade.
     sections : sequence of Section or mapping, optional
         Sections of a string from its upper end down, see `floquetrod.Section`, in place of ``length``, radii, material
         and yield strength, which the first section then gives; like neighbours count as one.  The
@@ -417,7 +417,7 @@ class Rod(RodData, ShownInNotebook):
         depth : array_like, optional
             Measured depths of the lower end in m, or each with a unit; 100 by default.
         helical : str
-            When the string becomes a helix as it is slacked off, as in `mean_force`.
+            When the string becomes a helix while slacked off, as in `mean_force`.
         wellhead_pressure : float or str
             Pressure around the string below the stripper in Pa, as in `mean_force`.
         stripper : float or str
@@ -1121,7 +1121,7 @@ class Rod(RodData, ShownInNotebook):
         `floquetrod.follow` through it and round folds, until motion shrinks to rest, the rod presses on its wall with
         less than a third of its weight and is about to leave it, or angles exceed 40 degrees.  If a load has two stable
         orbits, or one and a stable state of rest, the motion depends on the initial conditions: hysteresis.  Ctrl-C
-        returns what has been found.
+        returns the part found.
 
         Parameters
         ----------
@@ -1226,7 +1226,7 @@ class Rod(RodData, ShownInNotebook):
     ) -> RegionProof:
         """Prove every load of a box stable or unstable, on this rod or on every rod within tolerances.
 
-        Interval arithmetic, rounded outwards, over boxes that are halved until they are decided; all modes, those
+        Interval arithmetic, rounded outwards, over boxes halved until they are decided; all modes, those
         beyond a number by a bound (page `theory/regions`).
 
         Parameters

@@ -356,7 +356,7 @@ def _largest_of(unit: Complexes, m: Floats, straight: Floats, shape: NaturalShap
     """Return the largest deflection in m of sum_m a_m unit_m(t) phi_m, unit (2 K + 1, n), a = straight (patterns, n).
 
     It is y_0 + sum_m a_m (unit_m(t) - 1) phi_m, whose terms fall like m^-5.
-    Waves that are small are left out, and those that are not large followed at fewer instants and places.
+    Small waves are left out, and waves of middle size followed at fewer instants and places.
     """
     factors, middle = np.abs(straight).max(axis=0), len(unit) // 2
     whole = float((np.abs(unit) * factors).max(initial=0.0))

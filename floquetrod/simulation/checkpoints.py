@@ -95,7 +95,7 @@ class Resumable(NamedTuple):
 
 
 def other_arithmetic(theirs: Mapping[str, str]) -> str:
-    """Return why a run that was computed with an arithmetic cannot be continued with that of here, "" where it can."""
+    """Return why a run computed with an arithmetic cannot be continued with this machine's, "" where it can."""
     ours = arithmetic()
     other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
     return f"it was computed with {', '.join(other)}; continue it where that is installed" if other else ""

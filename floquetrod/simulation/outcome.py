@@ -208,7 +208,7 @@ def outcome_of(
 ) -> Outcome:
     """Return the outcome of a run: quiet, buckled, at rest, dying out or swinging.
 
-    Angles are measured from the first frame, at rest; those of a run that starts from another one's state, from where
+    Angles are measured from the first frame, at rest; of a run that starts from another one's state, from where
     the rod rests under its load.  Motion beyond 5 degrees that such a run inherits is dying out while it decays from
     quarter to quarter at half the rate of free motion, or by 30 %, and no slower than before by half, under a load that
     makes nothing grow; a rod that had buckled is else still buckled, until it is at rest or within 5 degrees.

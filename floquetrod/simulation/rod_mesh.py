@@ -202,7 +202,7 @@ class DiscreteRod:
 
     @property
     def _bending(self) -> tuple[float, Floats, Floats]:
-        """One bending stiffness in N m^2, and those of the nodes and of the segments over it."""
+        """One bending stiffness in N m^2, and the stiffnesses of nodes and segments over it."""
         if self.lumps is None:
             return self.rod.flexural_rigidity, np.ones(self.segments + 1), np.ones(self.segments)
         one = float(self.lumps.bend[0])
@@ -422,7 +422,7 @@ class DiscreteRod:
     def _laid(self, driving: Driving, placed: Callable[[Floats], Floats]) -> Floats:
         """Return coordinates along the channel of nodes at x, (nodes, 3), that give segments their length under force.
 
-        ``placed`` returns those of nodes at x.
+        ``placed`` returns the values of nodes at x.
         """
         n, length = self.segments, self.segment_length
         force = driving.mean_force(self.places[:-1] + 0.5 * length)

@@ -1028,7 +1028,7 @@ def _simulation(meta: dict[str, Any], arrays: sealed_files.Arrays) -> Simulation
 
 
 def _longer(duration: float, before: int, after: int, steps: TimeSteps) -> float:
-    """Return the duration in s of ``after`` frames, where that of ``before`` is known.
+    """Return the duration in s of ``after`` frames from the duration of ``before`` frames.
 
     It is exact for whole multiples; otherwise the number of fifteen digits, as people write it, where the step taken
     follows from it.

@@ -1,4 +1,4 @@
-"""The state after a run, from which another run starts: the same rod, with what acts on it changed."""
+"""The state after a run, from which another run starts: the same rod under other loads."""
 
 from __future__ import annotations
 

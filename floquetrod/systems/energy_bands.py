@@ -129,7 +129,7 @@ class EnergyBands(Reported, NoTruthValue, ByContent):
         Raises
         ------
         TypeError, ValueError
-            For energies that are not finite numbers.
+            For energies other than finite numbers.
         """
         energies = validate.array("energy", energy)
         return shaped(self._waves.density(energies.ravel()).reshape(energies.shape), energies.shape)
@@ -279,7 +279,7 @@ def bands(
     phase : float or array_like (m,), optional
         In rad; by default 65 phases from 0 to pi.  Those of -phase and of phase + 2 pi are the same.
     below : float
-        Energies below this are returned, in the unit of V, the inverse of the square of that of t.
+        Energies below this are returned, in the unit of V, the inverse square of the unit of t.
     period : float, optional
         Of a function, which needs it.
     jumps : sequence of float
@@ -292,7 +292,7 @@ def bands(
     Raises
     ------
     TypeError, ValueError
-        For equations that are damped, whose waves have no real energies, and ones with gyroscopic matrices or a K that
+        For damped equations, whose waves have no real energies, and ones with gyroscopic matrices or a K that
         is not symmetric; and where ``below`` is so high that the waves would take matrices of more than 1,500 rows.
 
     Notes

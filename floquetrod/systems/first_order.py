@@ -93,7 +93,7 @@ class FirstOrderTongue:
         Raises
         ------
         TypeError, ValueError
-            For frequencies that are not finite numbers.
+            For frequencies other than finite numbers.
         """
         w = validate.array("frequency", frequency)
         ci, cj = self.damping

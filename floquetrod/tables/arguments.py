@@ -21,7 +21,7 @@ def column_text(text: str | None) -> str | int | None:
 
 
 def delimiter_argument(value: Any) -> str | None:
-    r"""Return the argument ``delimiter``: one character, of which "\t" and "tab" are the tab, or None."""
+    r"""Return the argument ``delimiter``: one character, where "\t" and "tab" are the tab, or None."""
     if isinstance(value, str) and value.strip().lower() in ("\\t", "tab"):
         return "\t"
     if value is not None and (not isinstance(value, str) or len(value) != 1 or value in '"#\r\n.-+' or value.isalnum()):

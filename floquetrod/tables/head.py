@@ -19,7 +19,7 @@ _UNIT_ROWS = 3  # below them, at most (a choice)
 
 
 class Wanted(NamedTuple):
-    """A column to be found: its argument, the kind of its unit, what is known of it, and how headings are understood.
+    """A column to be found: its argument, the kind of its unit, its known unit, and how headings are understood.
 
     ``places`` returns the places of the headings that suit best, ``unit_in`` the unit that a heading names.
     """
@@ -181,7 +181,7 @@ def _units_of(texts: Sequence[str], columns: Sequence[Column], wanted: Sequence[
 
 
 def merged(block: Sequence[Row], delimiter: str, width: int) -> list[str]:
-    """Return headings in several rows as one row, those of spaced text by where they stand."""
+    """Return headings in several rows as one row, in spaced text by their positions."""
     if delimiter != " ":
         many = max(len(row.cells) for row in block)
         columns = ([row.cells[i] if i < len(row.cells) else "" for row in block] for i in range(many))
@@ -207,7 +207,7 @@ def _phrases_of(row: Row, width: int) -> list[tuple[int, int, str]]:
 
 
 def _spans(block: Sequence[Row], width: int) -> list[tuple[int, int, str]]:
-    """Return the places of the columns: those of the row with the most headings."""
+    """Return the places of the columns, from the row with the most headings."""
     return max((_phrases_of(row, width) for row in reversed(block)), key=len)
 
 
@@ -238,7 +238,7 @@ def place_of(wanted: Wanted, headings: Sequence[str] | None, many: int) -> int:
 
 
 def not_one(wanted: Wanted, matches: Sequence[int], headings: Sequence[str] | None, many: int) -> Message:
-    """Return what is wrong where a column is not known, or several may be it."""
+    """Return the complaint where a column is not known, or several may be it."""
     what = "a heading of one column" if headings else f"a column from 0 to {many - 1}"
     said = f"and {len(matches) or 'none'} of them {'say' if matches else 'says'} {wanted.name}"
     said = said if wanted.column is None else f"got {validate.short(wanted.column)}"

@@ -25,7 +25,7 @@ class Source(NamedTuple):
 
 
 def source(path: Path, delimiter: str | None, sheet: str | int | None) -> Source:
-    """Return the rows of a file: of text by ``delimiter``, of a workbook those of ``sheet``."""
+    """Return the rows of a file: of text by ``delimiter``, of a workbook from ``sheet``."""
     kind = path.suffix.lower()
     if kind in WORKBOOKS:
         if delimiter is not None:
@@ -100,7 +100,7 @@ def _of_width(row: Row, many: int) -> Row:
 
 
 def _of_workbook(path: Path, sheet: str | int | None) -> list[Row]:
-    """Return the rows of a sheet, the first one by default; several sheets of which none is chosen are refused."""
+    """Return the rows of a sheet, the first one by default; several sheets without a choice are refused."""
     if not path.is_file():
         raise ValueError("there is no such file")
     try:

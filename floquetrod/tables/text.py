@@ -60,7 +60,7 @@ def _utf_16(content: bytes) -> str:
 
 
 def lines_of(text: str) -> list[Line]:
-    """Return the lines of a text; lines that are each in quotes as a whole lose them."""
+    """Return the lines of a text; lines each in quotes as a whole lose them."""
     lines = list(enumerate(io.StringIO(text, newline=None), 1))
     full = [line.strip() for _, line in lines if line.strip()]
     if len(full) > 1 and all(_is_quoted(line) for line in full):
@@ -74,7 +74,7 @@ def _is_quoted(line: str) -> bool:
 
 
 def delimiters_of(lines: Sequence[Line], delimiter: str | None) -> list[str]:
-    """Return the separators of columns that may be those of lines, the first to try first."""
+    """Return the possible separators of columns in lines, the first to try first."""
     if delimiter is not None:
         return [delimiter]
     for _, line in lines:

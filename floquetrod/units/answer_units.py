@@ -1,4 +1,4 @@
-"""The units of an answer are those of its question: one rule for the terminal, reports, figures and tables.
+"""An answer has the units of its question: one rule for the terminal, reports, figures and tables.
 
 Kind by kind of quantity the unit is the first of these:
 

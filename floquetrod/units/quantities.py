@@ -112,7 +112,7 @@ def quantity(
     Raises
     ------
     ValueError
-        For anything else, naming what is accepted.
+        For anything else, naming the accepted forms.
 
     Examples
     --------

@@ -281,7 +281,7 @@ class Drag:
     def above_end(self, far_force: Any, bottom: Floats) -> Floats:
         """Return the compression in N above the contact at the lower end, of strings to measured depths in m.
 
-        A tool leaves the friction there as it is.
+        A tool does not change the friction there.
         """
         force = np.broadcast_to(np.asarray(far_force, dtype=float), bottom.shape)
         if not self.residual_curvature:

@@ -141,7 +141,7 @@ def _may_be_positions(numbers: Sequence[Sequence[float]]) -> bool:
 
 
 def _name_columns() -> Mention:
-    """Return the remedy for headings that are not known."""
+    """Return the remedy for unknown headings."""
     return Mention("survey_columns", "name the columns by depth, inclination and azimuth", "DEPTH,INCLINATION,AZIMUTH")
 
 

@@ -142,7 +142,7 @@ _UNIT = {word: unit for unit, names in _UNITS.items() for word in names.split()}
 
 
 def in_english(unit: str) -> str:
-    """Return a unit by its English name where it is one of `_UNITS`, else as it is written."""
+    """Return a unit by its English name where it is one of `_UNITS`, else as written."""
     return _UNIT.get(_plain(unit.strip()), unit.strip())
 
 

@@ -94,7 +94,7 @@ def _azimuth_of(bearing: re.Match[str]) -> float:
 
 
 def units_of(table: SurveyTable, given: dict[str, str | None]) -> dict[str, units.Unit]:
-    """Return the unit of each column; ``given`` has those of depths and of angles by argument, None without."""
+    """Return the unit of each column; ``given`` has the units of depths and of angles by argument, None without."""
     return {
         column.name: _unit(column, given["depth" if _kind(column) == "length" else "inclination"], table)
         for column in table.head.columns

@@ -1,4 +1,4 @@
-"""The rows of a survey in a file: which are stations, where the table ends, and what is refused among them."""
+"""The rows of a survey in a file: which are stations, where the table ends, and which of them are refused."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SurveyTable(NamedTuple):
 def survey_table(head: Head, rows: Sequence[Row]) -> SurveyTable:
     """Return the rows of a table, which ends at the first row that is none; what follows is named in a note.
 
-    It goes on below headings that are repeated, as on the next page.  Rows of stations below another one are refused:
+    It goes on below repeated headings, as on the next page.  Rows of stations below another one are refused:
     one of them is mistyped, or they are another table.
     """
     stations: list[Row] = []

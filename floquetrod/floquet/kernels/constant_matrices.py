@@ -83,6 +83,10 @@ def piece_multipliers(
 @kernel
 def multipliers_fill(matrices: Any, length: Any, out: Any, uncertainty: Any) -> None:
     """Fill rows of ``out`` with the real parts, the imaginary parts and the radii of all multipliers."""
+    # Multipliers are m plus the roots of det(z - (M - m)): `lane_maps` gives the map M, `lane_polynomial` the
+    # coefficients, `start_roots` and `lane_roots` the roots z, `lane_radii` the radii.  Of two equations or one the
+    # start is the root.  vectors[8] holds the error of M, vectors[9] m.  LANES systems are done at a time, along the
+    # last index of every array; a chunk with fewer repeats its last system, and nothing of the copies is written.
     n = len(matrices[0][0])
     work = lane_workspace(len(length[0]), n)
     total, z, polynomial, vectors = work[3], work[4], work[5], work[6]
@@ -164,6 +168,9 @@ def lane_maps(matrices: Any, length: Any, uncertainty: Any, start: int, used: in
 
     D is diagonal and balances the rows and columns of all A h.  Errors are not finite where a map is too large.
     """
+    # M = exp(A_P h_P) .. exp(A_1 h_1).  One D serves all pieces, since the product of the scaled maps is scaled by it
+    # too: it comes first, then each exponential with its error, then the product.  vectors[6] is the error of A h:
+    # h |D^-1 U D| for errors U of A, and two roundings of |A h|; vectors[1] has squares of norms, of `lane_norms`.
     steps, maps, small, total, _, _, vectors, of_pieces, scaling = work
     count, n = len(steps), len(scaling)
     for lane in range(LANES):
@@ -199,7 +206,9 @@ def lane_maps(matrices: Any, length: Any, uncertainty: Any, start: int, used: in
 @kernel
 def lane_balance(steps: Any, scaling: Any, sizes: Any, v: Any) -> None:
     """Replace matrices X by D^-1 X D, D = diag(scaling), in which rows and columns of their sum are about as large."""
-    # E. E. Osborne, J. ACM 7 (1960) 338, doi:10.1145/321043.321048, on the sum of magnitudes.
+    # E. E. Osborne, J. ACM 7 (1960) 338, doi:10.1145/321043.321048, on S = sum_j |X_j|, ``sizes``.  With r and c the
+    # sums of row i and of column i without the diagonal, row i is divided and column i multiplied by sqrt(r / c), which
+    # makes the two equal; v[0] is that factor, v[1] its inverse.  Three sweeps over i, then D is applied to all X.
     count, n = len(steps), len(scaling)
     for i in range(n):
         for lane in range(LANES):
@@ -371,6 +380,9 @@ def lane_exponential(x: Any, out: Any, small: Any, v: Any) -> None:
 @kernel
 def lane_chain(maps: Any, total: Any, small: Any, v: Any, of_pieces: Any) -> None:
     """Set ``total`` to the products of the maps, the first acting first, and v[8] to their errors, as `chain_error`."""
+    # An error e_j of map j changes the product by |M_P .. M_(j+1)| e_j |M_(j-1) .. M_1| to first order.  Norms of what
+    # acts before j are kept while the product is formed, in ``before``; a second pass, from the last map down, forms
+    # what acts after j in ``suffix``.  Terms of second order and more are bounded through v[9], the sum of e_j / |M_j|.
     count, n = len(maps), len(total)
     other, suffix = small[0], small[1]
     errors, before = of_pieces[0], of_pieces[1]
@@ -452,6 +464,7 @@ def lane_polynomial(work: Any) -> None:
 @kernel
 def start_roots(c: Any, z: Any, lane: int) -> None:
     """Set a lane of ``z`` to the roots of z^n + c[0] z^(n-1) + ... + c[n-1], n = 1 or 2, or to points near them."""
+    # Of a quadratic the root of larger modulus comes first, free of cancellation, and the other is c[1] over it.
     n = len(c)
     if n == 1:
         z[0, 0, lane], z[1, 0, lane] = -c[0], 0.0

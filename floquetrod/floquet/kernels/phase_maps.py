@@ -42,7 +42,9 @@ def add_waves(table: Any, waves: Any, size: float, rate: float, time: float, spr
 @kernel
 def series_step(x: Any, a: Any, table: Any, h: float, top: int) -> float:
     """Carry solutions x[0] (n, n, phases) over a step; return the largest of the last terms of the series, relative."""
-    # x_(i+1) = h / (i + 1) (a x_i + sum_l table_l x_(i-l)), all phases side by side.
+    # x(t + h s) = sum_i x_i s^i with x_(i+1) = (h a x_i + sum_l table_l x_(i-l)) / (i + 1): ``a`` is constant and equal
+    # for all phases, ``table`` (power, row, column, phase) has the waves, times h, in rows from ``top`` on alone.
+    # Phases are innermost, so that all go through one loop.  The sum over i begins with the smallest term.
     n, phases, right = len(a), x.shape[3], table.shape[2]
     for power in range(ORDER):
         for i in range(n):

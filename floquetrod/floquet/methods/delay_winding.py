@@ -97,7 +97,7 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
 
 
 def _with_change(zeros: Zeros, shifted: DelaySeries | None) -> Zeros:
-    """Return zeros whose discs hold twice the change to those of another series as well."""
+    """Return zeros whose discs also hold twice the change to the zeros of another series."""
     values = None if shifted is None else delay_series.followed(shifted, zeros.values)
     changes = math.inf if values is None else np.abs(values - zeros.values)
     return zeros._replace(radii=zeros.radii + 2.0 * changes)

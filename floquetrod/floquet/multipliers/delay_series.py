@@ -34,7 +34,7 @@ _WIDENED, _WIDER = 60, 1.5  # times that such a circle is widened, and by how mu
 
 
 class Zeros(NamedTuple):
-    """Zeros of det K, l = log v with 0 <= imag l <= pi / q, each as often as it is one."""
+    """Zeros of det K, l = log v with 0 <= imag l <= pi / q, each as often as its multiplicity."""
 
     values: Complexes
     radii: Floats  # of discs that hold as many zeros of every K within the error
@@ -69,7 +69,7 @@ class DelaySeries(NamedTuple):
         return float((sizes * self.exponents**2 * np.exp(self.exponents * log_radius)).sum())
 
     def chunks(self, logs: Complexes) -> list[Complexes]:
-        """Return parts of an array that are worked on at once."""
+        """Return parts of an array, each computed at once."""
         size = max(1, _ENTRIES // max(self.matrices.shape[-1] ** 2, len(self.exponents)))
         return [logs[k : k + size] for k in range(0, len(logs), size)]
 
@@ -124,7 +124,7 @@ def _traces(series: DelaySeries, logs: Complexes) -> Complexes:
 
 @np.errstate(all="ignore")  # what overflows is not clear
 def outside(series: DelaySeries, log_radius: float) -> int | None:
-    """Return how many multipliers are larger in modulus than exp(-q log_radius), each as often as it is one.
+    """Return how many multipliers are larger in modulus than exp(-q log_radius), each as often as its multiplicity.
 
     None where one of some K within the error lies on that circle.
     """

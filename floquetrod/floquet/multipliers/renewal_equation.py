@@ -324,8 +324,11 @@ def _earlier(unknowns: Floats, delayed: DelayRows) -> Floats:
     return values
 
 
-def _kick(matrix: Floats, rows: Floats, kicks: Floats, times: Floats, weights: Floats, patience: int) -> _Kick | None:
-    """Return responses from the map over a period, the rows of y and the states of kicks."""
+def _kick(matrix: Floats, rows: Floats, kicks: Floats, times: Floats, weights: Floats, halving: int) -> _Kick | None:
+    """Return responses from the map over a period, the rows of y and the states of kicks.
+
+    ``halving`` is the number of periods in which the share outside the leading subspace must halve, or it is rounding.
+    """
     subspace = delay_spectra.leading_subspace(matrix, _LEADING) if np.isfinite(matrix).all() else None
     if subspace is None:
         return None
@@ -338,7 +341,7 @@ def _kick(matrix: Floats, rows: Floats, kicks: Floats, times: Floats, weights: F
     while True:
         size = float(np.abs(state).max(initial=0.0))
         share = float(np.abs(state - basis @ (basis.T @ state)).max(initial=0.0)) / size if size else 0.0
-        if share <= _LEFT_OUT or (share <= _NEARLY and share > 0.5 * min(shares[-1 - patience :])):
+        if share <= _LEFT_OUT or (share <= _NEARLY and share > 0.5 * min(shares[-1 - halving :])):
             break
         if len(early) == _EARLY:
             return None

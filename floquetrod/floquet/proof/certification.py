@@ -96,7 +96,7 @@ def certify(
         For anything but these equations, for parameters of another class or kind, and for parameters
         beside a value.
     ValueError
-        For a batch of systems, numbers that are infinite, cannot be taken exactly, or are refused by the class.
+        For a batch of systems, and for numbers that the class refuses, infinite ones, or ones that are not exact.
 
     Examples
     --------

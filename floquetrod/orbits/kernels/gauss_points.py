@@ -140,11 +140,14 @@ def condense_fill(
     lengths: Any, integrals: Any, weights: Any, jacobians: Any, drives: Any, residual: Any,
     factors: Any, pivots: Any, inner: Any, maps: Any, gaps: Any, columns: Any,
 ) -> bool:  # fmt: skip
-    """Fill ``factors`` (N, m n, m n), ``pivots``, ``inner`` (N, m n, n + 1 + S) and what is left at the mesh.
+    """Fill ``factors`` (N, m n, m n), ``pivots``, ``inner`` (N, m n, n + 1 + S) and the equations at the mesh.
 
-    That is the maps (N, n, n), the gaps (N, n) and the columns of the scalars (N, n, S).  Return whether a matrix is
+    These have the maps (N, n, n), the gaps (N, n) and the columns of the scalars (N, n, S).  Return whether a matrix is
     singular.
     """
+    # dz = (I - h a J)^-1 (dx - r + h a d ds), then dx' - dx = h b (J dz + d ds) - r, the equations of the head of this
+    # file.  ``matrix`` is I - h a J, ``right`` first its right sides and, solved, the factors of dx, 1 and ds in dz.
+    # ``end`` sums b (J dz + d ds) by the same columns; times h it gives the map, the gap and the scalars' columns.
     count, m, n, scalars = drives.shape
     width = n + 1 + scalars
     end = np.empty((n, width))

@@ -66,6 +66,9 @@ def invert(matrix: Any, inverse: Any) -> float:
 
     Return the product of both norms, of largest row sums; infinite where a pivot is zero.
     """
+    # Gauss and Jordan: rows are exchanged for the largest pivot, and column k is eliminated above and below it.
+    # N. J. Higham, Accuracy and Stability of Numerical Algorithms (2002), doi:10.1137/1.9780898718027, section 14.4.
+    # The matrix has as many rows as a state and the scalars: the inverse costs little, and its norm is the condition.
     size = len(matrix)
     norm, other = 0.0, 0.0
     for i in range(size):
@@ -111,6 +114,9 @@ def cycle_fill(equations: Any, states: Any, left: Any) -> bool:
     count, n, width = equations.shape
     kept, work = np.empty((count, n, 2 * n + width)), np.empty((2 * n, 2 * n + width))
     vector, dots = np.empty(2 * n), np.empty(2 * n + width)
+    # The rows of ``work`` are the upper equation F x_i = K y, moved up from the lower rows of the interval before, and
+    # the lower one, -G_i x_i + x_(i+1) = K_i y.  `reflect` frees the lower rows of x_i; the upper ones are ``kept``.
+    # After the last interval x_N = x_0, which gives ``left``; states follow backwards from R x_i = K' y - A x_(i+1).
     for a in range(n):  # x_0 = x_0 comes before the first interval
         for c in range(2 * n + width):
             work[n + a, c] = 1.0 if c == n + a or c == 2 * n + a else 0.0
@@ -169,6 +175,9 @@ def bordered_fill(
     size = n + scalars
     width = size + gaps.shape[2]
     equations = np.empty((count, n, width))
+    # The cycle leaves n equations for y = (x_0, s, 1), and the border S more: its rows times the states, each of which
+    # is a matrix applied to y, make the rows n .. n + S - 1 of ``left``.  Their inverse gives x_0 and s, and these all
+    # states.  A large condition is returned and not solved: `bordered` then treats the singular direction apart.
     # Where an orbit does not depend on the parameter its column is rounding; the rows tell its unit then.
     for s in range(scalars):
         total, largest = 0.0, 1e-300

@@ -184,7 +184,7 @@ def balance_fill(
 ) -> None:  # fmt: skip
     """Fill rows of ``out`` with the amplitudes of the harmonics -cut to cut, an error, and what truncation leaves out.
 
-    The error is that of all amplitudes of a coordinate together, over the largest one.  ``unknown`` is the error of the
+    The error is one for all amplitudes of a coordinate together, over the largest one.  ``unknown`` is the error of the
     coefficients and of the force, entry by entry.
     """
     # Hill's matrix L, banded, is solved for the force.  Componentwise residuals g, with the rounding of L and of the

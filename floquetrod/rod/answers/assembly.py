@@ -128,7 +128,7 @@ class StringCells(NamedTuple):
 
     @classmethod
     def of(cls, rod: RodData, codes: Ints) -> StringCells:
-        """Return the cells with codes, the number of the section times that of bores and the number of the bore."""
+        """Return the cells with codes: number of the section times bores plus number of the bore."""
         if not (rod.sections or rod.bores):
             return cls(codes, [rod], codes)
         used, index = np.unique(codes, return_inverse=True)

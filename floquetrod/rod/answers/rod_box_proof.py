@@ -60,7 +60,7 @@ def certify_rods(
 
 
 def units_of_box(sides: tuple[Any, Any, Any], like: Load, rod: RodData) -> units.GivenUnits:
-    """Return the units in which the sides of a box of loads were given, else those of the load and the rod."""
+    """Return the units in which the sides of a box of loads were given, else the units of the load and the rod."""
     return units.GivenUnits.of(force=sides[:2], frequency=sides[2]).or_else(like.given_units, rod.given_units)
 
 

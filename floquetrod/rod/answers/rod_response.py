@@ -48,13 +48,13 @@ class RodResponse(ByContent, Printed, NoTruthValue):
     moment : float
         Largest bending moment in N m.
     stress : float
-        Largest stress by bending in Pa, that of the outer fibre; the stress of the axial force is not part of it.
+        Largest stress by bending in Pa, in the outer fibre; the stress of the axial force is not part of it.
     stress_at : float
         Where, in m from the upper end.
     contact : tuple of float or None
         Least and largest contact force in N/m; None of a random shape, and in channels that bend.
     distance : float
-        Of 1 from the nearest multiplier of the modes that are driven: the motion grows without bound as it vanishes.
+        Of 1 from the nearest multiplier of the driven modes: the motion grows without bound as it vanishes.
     positions : ndarray (p,)
         In m from the upper end.
     harmonics : ndarray (patterns, 2 K + 1, p)
@@ -115,7 +115,7 @@ class RodResponse(ByContent, Printed, NoTruthValue):
         Raises
         ------
         TypeError, ValueError
-            For times that are not finite numbers.
+            For times other than finite numbers.
         """
         times = validate.array("time", time)
         turns = np.arange(-self._middle, self._middle + 1) * self.load.frequency

@@ -111,7 +111,7 @@ class SafeBox(Reported, NoTruthValue):
         Returns
         -------
         str
-            The table and what is proved.
+            The table and the proof.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class SafeBox(Reported, NoTruthValue):
         return Table(list(zip(titles, layout, strict=True)), rows)
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return the `table` and what is proved.
+        """Return the `table` and the proof.
 
         ``units`` in which to show mean, amplitude, frequency and the lengths and pressures of rods: ``{"mean": "Fcr",
         "frequency": "Hz", "length": "ft"}``; by default as in the question, see `floquetrod.units.AnswerUnits`.

@@ -148,7 +148,7 @@ class ListedRanges(NamedTuple):
     thin : tuple of (float, float)
         Unstable bands narrower than the last digit shown, in SI units.
     narrow : int
-        Number of safe ranges of which nothing is left by rounding.
+        Number of safe ranges that vanish by rounding.
     """
 
     safe: tuple[tuple[str, str], ...]
@@ -356,7 +356,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         Parameters
         ----------
         unit : str, optional
-            Such as "Hz"; by default that of the bounds.
+            Such as "Hz"; by default the unit of the bounds.
         size : float, optional
             Of a unit of your own in `unit`.
         full : bool
@@ -454,7 +454,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
     def _left_out(
         self, listed: ListedRanges, shown: units.Unit, width: float, unstable: tuple[UnstableBand, ...]
     ) -> list[str]:
-        """Return what is counted and not listed."""
+        """Return the numbers of intervals that are counted and not listed."""
         texts = []
         if count := len(listed.thin):
             thin = [band for band in unstable if band[:2] in listed.thin]

@@ -739,7 +739,7 @@ def weight_in_words(
 def far(depth: float, unit: Unit, *, less: float | None = None) -> str:
     """Return a depth or, with its sign, what it is more than one that is ``less``: in whole units from 1,000 on.
 
-    Differences are of the numbers that are shown.
+    Differences are of the rounded numbers shown.
 
     >>> feet = units.unit("ft", "", "length")
     >>> far(3779.0, feet), far(3375.0, feet), far(3779.0, feet, less=3375.0)

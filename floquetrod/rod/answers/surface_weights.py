@@ -154,7 +154,7 @@ class SurfaceWeights(Printed, ByContent, InUnits):
         Parameters
         ----------
         ax : Axes, optional
-            By default those of a new figure.
+            By default the axes of a new figure.
         depth : str, optional
             Unit of depths, as in `report`.
         force : str, optional

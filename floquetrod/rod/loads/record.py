@@ -89,7 +89,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     force_unit_named : bool
         Whether the unit of force is known: False for a file that names none and was read without ``force_unit``.
     time_unit_named : bool
-        Whether the unit of time is known, as it is of dates and clock times.
+        Whether the unit of time is known, as for dates and clock times.
 
     Raises
     ------
@@ -274,7 +274,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         return tuple((float(at.mean()), float(density.mean())) for at, density in parts)
 
     def _within_errors(self, count: int) -> Iterator[AxialLoad]:
-        """Yield loads whose numbers are drawn about those of the fit, with twice their standard errors."""
+        """Yield loads with numbers drawn about the fitted ones, with twice their standard errors."""
         random, fit, kept = np.random.default_rng(0), self.load, np.array(self.harmonic_numbers) - 1
         slowest = LOAD["frequency"].least
         for _ in range(count):
@@ -410,7 +410,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 class ChangedRecord(LoadSource):
     """A measured force with some numbers, or the kind of load, changed: ``change`` makes its load of the record's.
 
-    The errors of what is not changed count in verdicts.
+    The errors of unchanged numbers count in verdicts.
     """
 
     record: ForceRecord

@@ -61,7 +61,7 @@ def read_columns(
 ) -> Columns:
     """Return the samples of a file; ValueError names line and column.
 
-    `floquetrod.ForceRecord.from_csv` says what is accepted.
+    `floquetrod.ForceRecord.from_csv` lists the accepted forms.
     """
     numbered = enumerate(io.StringIO(text_of(path)), 1)
     lines = list(itertools.islice(numbered, HEAD))

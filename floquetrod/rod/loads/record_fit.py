@@ -213,7 +213,7 @@ def fit(
 ) -> Fit | None:
     """Return the fit of some harmonics that is nearest to ``omega``, None where the steps do not settle.
 
-    Newton's method for the frequency and the coefficients together, that of Gauss and Newton where the squares are not
+    Newton's method for the frequency and the coefficients together, Gauss and Newton's where the squares are not
     convex, until a step moves the frequency by ``precision`` of its error at most.  A step moves the phase of the
     highest harmonic at the ends of the record by a radian at most.
     """

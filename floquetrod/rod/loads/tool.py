@@ -56,7 +56,7 @@ class VibrationTool(units.InUnits, ShownInNotebook):
     above_end : float or str
         Distance of the tool from the lower end of the string in m, or with a unit; by default 0.
     second : tuple of float or str, optional
-        Amplitude and frequency of a second sine, that of another tool at the same place, such as ("3kN", "29Hz"); with
+        Amplitude and frequency of a second sine, of another tool at the same place, such as ("3kN", "29Hz"); with
         a phase in rad as a third number it is amplitude sin(frequency t + phase).  Mean forces and reach take the
         phases as independent, and refuse frequencies whose ratio is a fraction of small integers, except 1: two of the
         same frequency are one, added as vectors (page `theory/two_frequencies`).

@@ -91,7 +91,7 @@ class ForcedModes(ByContent):
 
     @property
     def _moved(self) -> Complexes:
-        """Amplitudes q - a of the functions that are added to the natural shape."""
+        """Amplitudes q - a of the functions added to the natural shape."""
         moved = self.amplitudes.copy()
         moved[:, self.middle] -= self.straight
         return moved

@@ -204,7 +204,7 @@ def assumptions(rod: RodData, load: Load) -> tuple[Assumption, ...]:
 
 
 def rod_assumptions(rod: RodData, load: Load, varied: Collection[str] = ()) -> tuple[Assumption, ...]:
-    """Return what the equations assume of a rod, of which some parameters may be ``varied``."""
+    """Return what the equations assume of a rod; some parameters may be ``varied``."""
     is_inclined = rod.weight_along > 0.0 or not rod.course.is_uniform or "inclination" in varied
     is_immersed = any(getattr(rod, name) or name in varied for name in ("fluid_inside", "fluid_outside"))
     return (

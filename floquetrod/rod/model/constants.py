@@ -84,7 +84,7 @@ class ModeConstants(NamedTuple):
     def sides(self, mean: Any, amplitude: Any) -> Any:
         """Return on which side a rod lies at all times, 1 low, -1 high, 0 where it leaves the wall, under forces in N.
 
-        By its contact force over inertia and clearance, that of the weight + c2 m_0^2 F.
+        By its contact force over inertia and clearance: the force of the weight + c2 m_0^2 F.
         """
         bend = self.per_newton * self.neutral_squared
         press, lost = self.weight + bend * mean, np.abs(bend) * amplitude

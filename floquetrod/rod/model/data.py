@@ -397,7 +397,7 @@ class RodData(units.InUnits, TellsAttributes):
         Raises
         ------
         TypeError, ValueError
-            For places that are not finite numbers.
+            For places other than finite numbers.
         """
         x = validate.array("x", x)
         index = np.searchsorted(self.edges[1:-1], x, side="right")

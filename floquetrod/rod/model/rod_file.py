@@ -161,7 +161,7 @@ def _require_keys(table: Mapping[str, Any]) -> None:
 
 
 def _require_these(table: Mapping[str, Any], known: Collection[str], needed: Iterable[str]) -> None:
-    """Raise ValueError for keys of a table that are not known, and for missing ones."""
+    """Raise ValueError for unknown keys of a table, and for missing ones."""
     written = next((key for key in table if key in MEANT), None)
     if written is not None:
         raise ValueError(f"unknown key {written!r}; {MEANT[written]}")

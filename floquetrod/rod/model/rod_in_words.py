@@ -1,4 +1,4 @@
-"""A rod in words: its size, what is special about it, and the sections of a string in a table."""
+"""A rod in words: its size, its less common parameters, and the sections of a string in a table."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class Wellhead(InUnits):
     Parameters
     ----------
     wellhead_pressure : float
-        Pressure around the string below the stripper in Pa, above that of the air.
+        Pressure around the string below the stripper in Pa, above the pressure of the air.
     stripper : float
         Friction of the stripper in N.
     pressure_inside : float, optional

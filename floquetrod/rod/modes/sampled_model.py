@@ -29,7 +29,7 @@ _MARGIN_SAMPLES = 65  # of each piece of a search for a margin (a choice)
 
 @dataclass(frozen=True)
 class SampledModel(ModeModel):
-    """Modes without exact tongues, of which verdicts under many loads are known: what lies between is sampled."""
+    """Modes without exact tongues, with verdicts under many loads, which sample the range of loads."""
 
     samples: ClassVar[int] = 257
     """Samples of each piece of a search."""

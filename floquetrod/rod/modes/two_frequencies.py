@@ -84,7 +84,7 @@ class TwoFrequencyModel(SampledModel):
     # --- equations ---
 
     def equations(self, load: Load, modes: Iterable[int] | None = None) -> NoReturn:
-        """Raise ValueError: what has two frequencies is no periodic system."""
+        """Raise ValueError: equations with two frequencies are no periodic system."""
         raise self.refusal("modal_system")
 
     def in_modes(self, count: int) -> CoupledEquations:
