@@ -119,7 +119,7 @@ _VARY = "a parameter of the rod and its range, such as length=3.05:3.15, length=
 
 
 def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
-    """Return a parameter of the rod and both ends of it in SI units; an end without a unit has that of the other.
+    """Return a parameter of the rod and both ends of it in SI units; an end without a unit has the unit of the other.
 
     A percentage, and what follows the sign ±, is a tolerance to either side of the rod's own value.
     """

@@ -162,7 +162,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For durations not above 0 or that do not add up to one period, for delays that are not positive,
+            For durations not above 0 or that do not add up to one period, for delays not above 0,
             and for matrices of other shapes.
 
         Examples
@@ -275,7 +275,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For instants that do not increase or lie further apart than a period, for delays that are not positive,
+            For instants that do not increase or lie further apart than a period, for delays not above 0,
             and for shapes that do not fit.
 
         Examples
@@ -326,7 +326,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For a period or delays that are not positive, and for matrices of other shapes.
+            For a period or delays not above 0, and for matrices of other shapes.
 
         Examples
         --------
@@ -360,7 +360,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For durations not above 0 or that do not add up to one period, for delays that are not positive,
+            For durations not above 0 or that do not add up to one period, for delays not above 0,
             and for matrices of other shapes.
 
         Examples
@@ -432,7 +432,7 @@ class DelaySystem(ByContent):
         Raises
         ------
         TypeError, ValueError
-            For instants that do not increase or lie further apart than a period, for delays that are not positive,
+            For instants that do not increase or lie further apart than a period, for delays not above 0,
             and for shapes that do not fit.
 
         Examples

@@ -320,13 +320,10 @@ def _extended(branch: Branch, task: Task, steps: int, progress: Progress | None)
     if branch.ends[1] == _CLOSED:
         return branch
     forward = _onward(branch, task, steps, progress, 0)
-    backward = _onward(_reversed(branch), task, steps, progress, len(forward.orbits))
+    turned = replace(branch, orbits=branch.orbits[::-1], ends=branch.ends[::-1])
+    backward = _onward(turned, task, steps, progress, len(forward.orbits))
     known = _Way(list(branch.orbits), list(branch.special_points), "", branch.notes)
     return _joined(task, backward, known, forward)
-
-
-def _reversed(branch: Branch) -> Branch:
-    return replace(branch, orbits=branch.orbits[::-1], ends=branch.ends[::-1])
 
 
 def _onward(branch: Branch, task: Task, steps: int, progress: Progress | None, before: int) -> _Way:

@@ -53,7 +53,7 @@ def chart(
         The two parameters, by the names of the keywords: first the columns (x), then the rows (y).
     growth : bool
         Whether to keep the growth rates: per unit of time, the unit of the periods, and per unit tau for equations, or
-        per unit z for those of `Mathieu.from_aq`.
+        per unit z for equations of `Mathieu.from_aq`.
     growth_tolerance : float
         Growth, in the same unit, up to which a point counts as stable; with two frequencies greater than 0.
     workers : int, optional

@@ -73,8 +73,9 @@ def find_head(rows: Sequence[Row], delimiter: str, wanted: Sequence[Wanted], fai
 
     ``failures`` receives rows that may be headings, for messages.
     """
+    are_numbered = all(isinstance(column.column, int) for column in wanted)
     for at, row in enumerate(rows[:HEAD]):
-        if any(is_numeric(cell) for cell in row.cells) and not _are_numbered(wanted):
+        if any(is_numeric(cell) for cell in row.cells) and not are_numbered:
             continue
         for many in range(1, _ROWS + 1):
             block = rows[at : at + many]
@@ -117,10 +118,6 @@ def headed_by(rows: Sequence[Row], delimiter: str, wanted: Sequence[Wanted]) -> 
         place = place_of(each, headings, len(headings))
         columns.append(Column(each.name, place, headings[place], each.unit_in(headings[place])))
     return Head(delimiter, headings, columns, 1, rows[:1])
-
-
-def _are_numbered(wanted: Sequence[Wanted]) -> bool:
-    return all(isinstance(each.column, int) for each in wanted)
 
 
 def _has_numbers(row: Row) -> bool:

@@ -44,7 +44,7 @@ class GivenUnits(NamedTuple):
     """The units in which the quantities of a question were given, "" where a kind of them has none.
 
     ``length`` is the unit of lengths and depths along a rod or a well, ``across`` of diameters and walls, ``density``
-    of fluids; ``force``, ``pressure``, ``frequency``, ``speed`` and ``curvature`` are those of their kinds.
+    of fluids; ``force``, ``pressure``, ``frequency``, ``speed`` and ``curvature`` are the units of their kinds.
     """
 
     length: str = ""

@@ -37,12 +37,13 @@ def survey_table(head: Head, rows: Sequence[Row]) -> SurveyTable:
     others: list[Row] = []
     notes: list[str] = []
     heading_texts = {row.text for row in head.heading_rows}
+    unit_texts = {unit_row.text for unit_row in head.unit_rows}
     repeated = False
     for row in rows[head.first :]:
         if row.text in heading_texts and head.heading_rows:
             repeated = True
             continue
-        if _is_unit_row(row, head):
+        if row.text in unit_texts:
             continue
         if _is_station(row, head):
             if others and not repeated:
@@ -103,10 +104,6 @@ def _is_mistyped(row: Row, head: Head) -> bool:
     if head.delimiter == " " and sum(numbers) < 2:
         return False
     return sum(numbers) > 1 or (numbers[0] and head.delimiter != " ")
-
-
-def _is_unit_row(row: Row, head: Head) -> bool:
-    return any(row.text == unit_row.text for unit_row in head.unit_rows)
 
 
 def _not_a_station(row: Row, head: Head, station: int) -> ValueError:

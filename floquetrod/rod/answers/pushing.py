@@ -69,7 +69,7 @@ STATICS = Limits()
 class UpperEnds(NamedTuple):
     """Forces in N at the injector, infinite where a string is stopped, and the largest stress in Pa along.
 
-    Of several sections each stress is times the largest yield strength of them over that of the section.
+    Of several sections each stress is times the largest yield strength of them over the yield strength of the section.
     """
 
     force: Floats

@@ -287,7 +287,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         at the same loads, and in all modes at the ends and in the middle of each band, refined about the largest.
 
         Where modes are coupled, growth is evaluated at 17 loads of each band and refined about the largest, to a
-        thousandth of the band; the damping is that of this one load.
+        thousandth of the band; the damping is for this one load.
         """
         return self.find_unstable()
 

@@ -310,7 +310,7 @@ class Reach(units.InUnits, Printed, ByContent):
 
     @property
     def _referred_stress(self) -> Floats:
-        """Stress along the string in Pa, times the largest yield strength over that of the section there."""
+        """Stress along the string in Pa, times the largest yield strength over the section's there."""
         return np.asarray(weakness(self.rod, cells_of(self.rod, self.along)) * self.largest_stress)
 
     @property

@@ -117,7 +117,7 @@ class LockUp(units.InUnits, Printed):
     def report(self, push: float | None = None, *, length: str | None = None, force: str | None = None) -> Report:
         """Return the length in words; also the length that a ``push`` in N can push.
 
-        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf", by default those of the question,
+        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf", by default as in the question,
         see `floquetrod.units.AnswerUnits`.
         """
         shown = AnswerUnits.named(force, length, given=self.given_units)
