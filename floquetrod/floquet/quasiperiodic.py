@@ -30,7 +30,7 @@ from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem, TwoFrequencies
 from floquetrod.equations.complex_form import real_matrix
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
-from floquetrod.floquet.kernels.phase_maps import orbit_products_fill, phase_maps_fill
+from floquetrod.floquet.kernels.phase_maps import modulated_maps_fill, orbit_products_fill, phase_maps_fill
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE, Status
 
 _FIRST = 4  # smallest denominator that counts: of smaller ones the polynomial is not one yet (a choice)
@@ -43,6 +43,10 @@ _ACCURACY = 1e-11  # last terms of the series of a step, relative to the map (a 
 _FEW_PHASES, _MOST_PHASES = 24, 768  # of the maps over a period
 _NEGLIGIBLE = 1e-10  # last harmonics of the maps over the phase, relative (a choice)
 _ROUNDED = 8.0 * EPS  # of a ratio, up to which it is a fraction: both frequencies are rounded
+_SEVERAL = 4  # equations, from which waves of few matrices are found (a choice)
+_LAGS = 9.5  # products of a power of a series, on average
+_WORTH = 0.7  # of the work, at most, that is done where they share it (a choice)
+_SECONDS_PER_PRODUCT = 1.5e-7  # in a period, for each unit of the fastest rate (measured)
 _FLAT = 1e-6  # logarithm of a multiplier up to which an approximant does not grow: the root of the rounding (a choice)
 
 
@@ -281,6 +285,39 @@ class _FirstOrder(NamedTuple):
     second: Floats
     top: int
     right: int
+    few: _FewShapes | None = None
+
+
+class _FewShapes(NamedTuple):
+    """Waves of few matrices: these (R, rows, columns), and factors (2, H, R, 1) of the waves of both frequencies."""
+
+    shapes: Floats
+    own: Floats
+    second: Floats
+
+    @classmethod
+    def of(cls, own: Floats, second: Floats) -> _FewShapes | None:
+        """Return the waves (2, H, n, n) so, to rounding; None where that takes no less time."""
+        shapes: list[Floats] = []
+        factors = [np.zeros((2, waves.shape[1], own.shape[-1])) for waves in (own, second)]
+        for waves, part in zip((own, second), factors, strict=True):
+            for at in np.ndindex(*waves.shape[:2]):
+                wave = waves[at]
+                if not wave.any():
+                    continue
+                for which, shape in enumerate(shapes):
+                    factor = float((wave * shape).sum() / (shape * shape).sum())
+                    if np.abs(wave - factor * shape).max() <= _ROUNDED * np.abs(wave).max():
+                        part[*at, which] = factor
+                        break
+                else:
+                    if (len(shapes) + 1) * (_LAGS + own.shape[-1]) > _WORTH * _LAGS * own.shape[-1]:
+                        return None
+                    part[*at, len(shapes)] = 1.0
+                    shapes.append(wave)
+        if not shapes:
+            return None
+        return cls(np.array(shapes), *(part[..., : len(shapes), None] for part in factors))
 
 
 def _first_order(problem: TwoFrequencies) -> _FirstOrder:
@@ -293,7 +330,7 @@ def _first_order(problem: TwoFrequencies) -> _FirstOrder:
         own = _side_by_side(subject.cosines, subject.sines, subject.order)
         mean, own, second = (each / problem.first for each in (subject.mean, own, second))
         return _FirstOrder(mean, own, second, 0, subject.order)
-    n = problem.order
+    n, few = problem.order, None
     if isinstance(subject, Equation):
         piece = subject.pieces()[0]
         harmonics = np.array(piece.harmonics, dtype=complex).reshape(-1, 1, 1)
@@ -304,6 +341,12 @@ def _first_order(problem: TwoFrequencies) -> _FirstOrder:
         drag = -inverse @ velocity_matrix(subject)
         own = -inverse @ _side_by_side(subject.cosines, subject.sines, n)
         force, second = -inverse @ subject.stiffness, -inverse @ second
+        if n >= _SEVERAL and subject.mass is None and (force == force.T).all():
+            # In the modes of the mean stiffness most of the matrix is zero.
+            rates, modes = np.linalg.eigh(force)
+            drag, own, second = (modes.T @ each @ modes for each in (drag, own, second))
+            force = np.diag(rates)
+            few = _FewShapes.of(own, second)
     strongest = sum(float(np.abs(each).sum(axis=-1).max(initial=0.0)) for each in (force, own, second))
     scale = math.sqrt(strongest) or 1.0
 
@@ -314,7 +357,15 @@ def _first_order(problem: TwoFrequencies) -> _FirstOrder:
 
     mean = lower(force)
     mean[:n, n:], mean[n:, n:] = np.eye(n) * (scale / problem.first), drag / problem.first
-    return _FirstOrder(mean, lower(own), lower(second), n, n)
+    form = _FirstOrder(mean, lower(own), lower(second), n, n)
+    return form if few is None else form._replace(few=few._replace(shapes=few.shapes / (scale * problem.first)))
+
+
+def seconds_of_maps(problem: TwoFrequencies) -> float:
+    """Return about how long the maps of a system of second order take, which is most of the time of its growth."""
+    fastest = max(float(np.abs(_first_order(problem).mean).sum(axis=1).max()), 1.0, problem.frequency / problem.first)
+    n = problem.order
+    return _SECONDS_PER_PRODUCT * _FEW_PHASES * fastest * (_LAGS + n) * 2 * n * n
 
 
 def _side_by_side(cosines: Sequence[Any], sines: Sequence[Any], order: int) -> NDArray[Any]:
@@ -337,17 +388,23 @@ def _phase_series(
     forms = [_first_order(problem) for problem in problems]
     series: list[Complexes] = [np.zeros((0, *form.mean.shape), dtype=complex) for form in forms]
     errors = np.full(len(forms), np.inf)
-    groups: dict[tuple[int, int], list[int]] = {}
+    groups: dict[tuple[int, int, int], list[int]] = {}
     for i in np.flatnonzero(wanted).tolist():
-        groups.setdefault((len(forms[i].mean), forms[i].top), []).append(i)
-    for (n, top), members in groups.items():
+        few = forms[i].few
+        groups.setdefault((len(forms[i].mean), forms[i].top, 0 if few is None else len(few.shapes)), []).append(i)
+    for (n, top, shapes), members in groups.items():
         phases, left = _FEW_PHASES, np.array(members)
         while left.size and phases <= _MOST_PHASES:
             out = np.empty((left.size, phases * n * n + 1))
-            waves = (_padded([getattr(forms[i], name) for i in left]) for name in ("own", "second"))
+            holders: list[Any] = [forms[i].few if shapes else forms[i] for i in left]
+            waves = (_padded([getattr(each, name) for each in holders]) for name in ("own", "second"))
             inputs = [np.array([forms[i].mean for i in left]), *waves, ratio[left]]
-            constants = phases, top, forms[left[0]].right, _ACCURACY
-            over_chunks(phase_maps_fill, inputs, out, *constants, workers=workers, chunk=16, interpret_up_to=0)
+            limits: dict[str, Any] = {"workers": workers, "chunk": 1 if shapes else 16, "interpret_up_to": 0}
+            if shapes:
+                inputs.insert(3, np.array([each.shapes for each in holders]))
+                over_chunks(modulated_maps_fill, inputs, out, phases, top, _ACCURACY, **limits)
+            else:
+                over_chunks(phase_maps_fill, inputs, out, phases, top, forms[left[0]].right, _ACCURACY, **limits)
             maps = out[:, :-1].reshape(-1, n, n, phases)
             harmonics = np.moveaxis(np.fft.rfft(maps, axis=-1) / phases, -1, 1)
             sizes = np.abs(harmonics).max(axis=(2, 3))

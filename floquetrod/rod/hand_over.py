@@ -28,7 +28,7 @@ from floquetrod.plane import Chart
 from floquetrod.plotting import chart_plot, document, reach_plot
 from floquetrod.plotting.document import Document, DocumentSection, Illustration
 from floquetrod.plotting.record_plot import draw_record
-from floquetrod.rod.answers.evidence import NoisyCoupledEvidence, TwoFrequencyEvidence
+from floquetrod.rod.answers.evidence import NoisyCoupledEvidence, TwoFrequencyCoupledEvidence, TwoFrequencyEvidence
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
@@ -400,7 +400,7 @@ def _chart_about(verdict: Stability) -> list[Illustration]:
 def _points(verdict: RodStability) -> tuple[int, int]:
     """Return columns and rows of the map, fewer where a verdict takes long."""
     evidence, (columns, rows) = verdict.evidence, _POINTS[verdict.evidence.has_exact_margins]
-    if not isinstance(evidence, NoisyCoupledEvidence | TwoFrequencyEvidence):
+    if not isinstance(evidence, NoisyCoupledEvidence | TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
         return columns, rows
     share = min(1.0, math.sqrt(_MAP_SECONDS / (columns * rows * evidence.seconds)))
     return int(share * columns), int(share * rows)

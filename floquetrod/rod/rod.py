@@ -52,11 +52,15 @@ if TYPE_CHECKING:
 def _model(rod: RodData, like: Load) -> ModeModel:
     """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
     require_known_to_verdicts(rod)
-    if like.second is not None:
+    coupled = coupling(rod, like)
+    if like.second is not None and set(coupled) <= {WAVEFORM} and rod.course.is_straight:
         from floquetrod.rod.modes.two_frequencies import TwoFrequencyModel
 
         return TwoFrequencyModel(rod, like)
-    coupled = coupling(rod, like)
+    if like.second is not None:
+        from floquetrod.rod.modes.two_frequencies_coupled import TwoFrequencyCoupledModel
+
+        return TwoFrequencyCoupledModel(rod, like)
     if not coupled and not like.noise:
         return IndependentModel(rod, like)
     if not like.noise:

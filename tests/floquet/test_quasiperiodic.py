@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from floquetrod.floquet import quasiperiodic
 
 GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
 
@@ -348,3 +349,22 @@ def test_wrong_input_is_refused_in_one_line(arguments: dict[str, Any], words: st
     with pytest.raises((TypeError, ValueError), match=words) as error:
         fr.quasiperiodic_growth(fr.TwoFrequencies(**given), **options)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.kernels
+def test_waves_of_one_matrix_have_the_maps_of_waves_of_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(5)
+    shape, stiffness = (a + a.T for a in rng.normal(size=(2, 4, 4)))
+    damping = 0.1 * (shape @ shape.T)
+    system = fr.HillSystem(stiffness @ stiffness.T, [0.3 * shape, 0.1 * shape], [0.2 * shape], damping=damping)
+    problem = fr.TwoFrequencies(system, golden := 0.5 * (1.0 + math.sqrt(5.0)), [0.25 * shape], [0.05 * shape])
+    wanted, ratio = np.array([True]), np.array([golden])
+    few = quasiperiodic._FewShapes
+    found = quasiperiodic._first_order(problem).few
+    assert found is not None
+    assert len(found.shapes) == 1
+    (one,), errors = quasiperiodic._phase_series([problem], ratio, wanted, None)
+    monkeypatch.setattr(few, "of", lambda *waves: None)
+    (any_waves,), others = quasiperiodic._phase_series([problem], ratio, wanted, None)
+    assert np.abs(one - any_waves).max() < errors[0] + others[0]
+    assert max(errors[0], others[0]) < 1e-9 * np.abs(one).max()

@@ -13,6 +13,7 @@ ORDER = 18
 """Highest power of the Taylor series of a step (a choice)."""
 
 _REACH = 0.8  # phase of the fastest rate that a step crosses, at first (a choice)
+_LONG_REACH = 1.2  # likewise of many equations, whose series end as the fastest one's does
 _DOUBLINGS = 6  # of the number of steps, while the last terms of a series are too large
 _LARGEST = 1e150  # of a map
 
@@ -74,6 +75,122 @@ def series_step(x: Any, a: Any, table: Any, h: float, top: int) -> float:
                 x[0, i, j, phase] = total
                 largest = max(largest, abs(total))
     return last / max(largest, 1.0) if largest < _LARGEST else math.inf
+
+
+@kernel
+def modulated_step(x: Any, y: Any, maps: Any, a: Any, shapes: Any, table: Any, h: float, top: int) -> float:
+    """Carry solutions over a step, as `series_step`, where waves are few matrices ``shapes`` (R, rows, columns).
+
+    Their factors are ``table`` (powers, R, 1, phases); ``maps`` (n, n, phases) are replaced.  ``x`` (powers, n, phases)
+    and ``y`` (columns, phases) are room for one solution.
+    """
+    # y = sum_l table_l x_(i-l) first, as all entries of a matrix have one factor.
+    n, phases, right = len(a), x.shape[2], shapes.shape[2]
+    largest, last = 0.0, 0.0
+    for j in range(n):
+        for i in range(n):
+            for phase in range(phases):
+                x[0, i, phase] = maps[i, j, phase]
+        for power in range(ORDER):
+            for i in range(n):
+                for phase in range(phases):
+                    x[power + 1, i, phase] = 0.0
+                for m in range(n):
+                    factor = h * a[i, m]
+                    if factor != 0.0:
+                        for phase in range(phases):
+                            x[power + 1, i, phase] += factor * x[power, m, phase]
+            for shape in range(len(shapes)):
+                for m in range(right):
+                    for phase in range(phases):
+                        y[m, phase] = 0.0
+                    for lag in range(power + 1):
+                        for phase in range(phases):
+                            y[m, phase] += table[lag, shape, 0, phase] * x[power - lag, m, phase]
+                for i in range(top, n):
+                    for m in range(right):
+                        factor = shapes[shape, i - top, m]
+                        if factor != 0.0:
+                            for phase in range(phases):
+                                x[power + 1, i, phase] += factor * y[m, phase]
+            for i in range(n):
+                for phase in range(phases):
+                    x[power + 1, i, phase] /= power + 1.0
+        for i in range(n):
+            for phase in range(phases):
+                total = 0.0
+                for power in range(ORDER, -1, -1):
+                    total += x[power, i, phase]
+                last = max(last, abs(x[ORDER, i, phase]), abs(x[ORDER - 1, i, phase]))
+                maps[i, j, phase] = total
+                largest = max(largest, abs(total))
+    return last / max(largest, 1.0) if largest < _LARGEST else math.inf
+
+
+@kernel
+def modulated_maps_fill(mean: Any, own: Any, second: Any, shapes: Any, ratio: Any, out: Any, phases: int, top: int,
+                        accuracy: float) -> None:  # fmt: skip
+    """Fill rows of ``out`` as `phase_maps_fill`, where waves are few matrices ``shapes`` (R, rows, columns).
+
+    Their factors are cosines and sines (2, H, R, 1).
+    """
+    n, few = len(mean[0]), len(shapes[0])
+    rows, right = len(shapes[0][0]), len(shapes[0][0][0])
+    a, maps, matrices = np.empty((n, n)), np.empty((n, n, phases)), np.empty((few, rows, right))
+    x, y = np.empty((ORDER + 1, n, phases)), np.empty((right, phases))
+    shared, table = np.empty((ORDER + 1, few, 1, 1)), np.empty((ORDER + 1, few, 1, phases))
+    for b in range(len(out)):
+        firsts = np.empty((2, len(own[b][0]), few, 1))
+        seconds = np.empty((2, len(second[b][0]), few, 1))
+        sizes = np.zeros(few)
+        for side in range(2):
+            for shape in range(few):
+                for k in range(firsts.shape[1]):
+                    firsts[side, k, shape, 0] = own[b][side][k][shape][0]
+                    sizes[shape] += abs(firsts[side, k, shape, 0])
+                for k in range(seconds.shape[1]):
+                    seconds[side, k, shape, 0] = second[b][side][k][shape][0]
+                    sizes[shape] += abs(seconds[side, k, shape, 0])
+        fastest = max(1.0 * firsts.shape[1], ratio[b] * seconds.shape[1])
+        for i in range(n):
+            row = 0.0
+            for j in range(n):
+                a[i, j] = mean[b][i][j]
+                row += abs(a[i, j])
+            if i >= top:
+                for shape in range(few):
+                    for j in range(right):
+                        matrices[shape, i - top, j] = shapes[b][shape][i - top][j]
+                        row += sizes[shape] * abs(matrices[shape, i - top, j])
+            fastest = max(fastest, row)
+        steps = math.ceil(2.0 * math.pi * fastest / _LONG_REACH)
+        error = math.inf
+        for _ in range(_DOUBLINGS):
+            error, h = 0.0, 2.0 * math.pi / steps
+            maps[:] = 0.0
+            for i in range(n):
+                for phase in range(phases):
+                    maps[i, i, phase] = 1.0
+            for step in range(steps):
+                shared[:] = 0.0
+                table[:] = 0.0
+                add_waves(shared, firsts, h, h, 1.0 * step, 0.0)
+                add_waves(table, seconds, h, ratio[b] * h, 1.0 * step, 2.0 * math.pi / phases)
+                for power in range(ORDER + 1):
+                    for shape in range(few):
+                        for phase in range(phases):
+                            table[power, shape, 0, phase] += shared[power, shape, 0, 0]
+                error = max(error, modulated_step(x, y, maps, a, matrices, table, h, top))
+                if not error <= accuracy:
+                    break
+            if error <= accuracy or error == math.inf:
+                break
+            steps *= 2
+        for i in range(n):
+            for j in range(n):
+                for phase in range(phases):
+                    out[b, (i * n + j) * phases + phase] = maps[i, j, phase]
+        out[b, n * n * phases] = error if error <= accuracy else math.inf
 
 
 @kernel

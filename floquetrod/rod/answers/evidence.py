@@ -410,7 +410,46 @@ class NoisyCoupledEvidence(_SharedGrowth):
         return ()
 
 
-Evidence = IndependentEvidence | CoupledEvidence | NoisyEvidence | NoisyCoupledEvidence | TwoFrequencyEvidence
+@dataclass(frozen=True)
+class TwoFrequencyCoupledEvidence(_SharedGrowth):
+    """Coupled modes under two frequencies: the growth of all together, from periodic approximants.
+
+    Attributes
+    ----------
+    convergence : tuple of (int, float)
+        Numbers of modes and the growth rate in 1/s with each, negative where they decay; the last one is the answer.
+    growth : QuasiperiodicGrowth
+        Growth with the last number of modes, in 1/s.
+    seconds : float
+        About how long a verdict takes.
+    """
+
+    kind: ClassVar[str] = "coupled modes under two frequencies"
+    growth_in_words: ClassVar[str] = "growth"
+
+    convergence: tuple[tuple[int, float], ...]
+    growth: QuasiperiodicGrowth
+    seconds: float = field(compare=False, repr=False)
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Publications to cite for the methods used."""
+        return references(THEORY)
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """No resonance, as tongues of two frequencies have two orders."""
+        return ()
+
+
+Evidence = (
+    IndependentEvidence
+    | CoupledEvidence
+    | NoisyEvidence
+    | NoisyCoupledEvidence
+    | TwoFrequencyEvidence
+    | TwoFrequencyCoupledEvidence
+)
 
 
 def _order(verdict: Stability, equation: Mathieu) -> int:

@@ -33,6 +33,7 @@ from floquetrod.rod.answers.evidence import (
     NoisyCoupledEvidence,
     NoisyEvidence,
     Shape,
+    TwoFrequencyCoupledEvidence,
     TwoFrequencyEvidence,
 )
 from floquetrod.rod.answers.reports import (
@@ -104,8 +105,8 @@ class RodStability(Reported, Verdict):
     ones, to the modes that may resonate.  Where modes are independent ``error`` is the largest error of a discriminant;
     where they are coupled the error of the growth rate in 1/s, from the multipliers and, estimated, from the modes left
     out.  Of independent modes under noise it is the error of the growth rate in 1/s, with a bound on all other modes;
-    under two frequencies the largest error of a mode's growth rate in 1/s, and "stable" means no more than that nothing
-    grows faster than the tolerance.
+    under two frequencies the largest error of a mode's growth rate in 1/s, or that of coupled modes, and "stable" means
+    no more than that nothing grows faster than the tolerance.
 
     Attributes
     ----------
@@ -113,8 +114,9 @@ class RodStability(Reported, Verdict):
         The modes of the rod under the load.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
-    evidence : IndependentEvidence, CoupledEvidence, NoisyEvidence, NoisyCoupledEvidence or TwoFrequencyEvidence
-        Basis of the verdict: the equations of the modes, and the verdict on each or on all together.
+    evidence : Evidence
+        Basis of the verdict, of independent or coupled modes, with noise and two frequencies as their own kinds: the
+        equations of the modes, and the verdict on each or on all together.
 
     Modes are numbered as the modes of the rod without axial force, between the same ends.  Attributes of one kind of
     modes only, such as `mode_verdicts` or `shape`, raise an AttributeError that says so for the other.
@@ -412,7 +414,7 @@ class RodStability(Reported, Verdict):
     @property
     def has_quick_margins(self) -> bool:
         """Whether margins take some seconds at most, as they do except for many modes without exact margins."""
-        if isinstance(self.evidence, TwoFrequencyEvidence):
+        if isinstance(self.evidence, TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
             return self.evidence.seconds <= _QUICK_VERDICT
         return self.evidence.has_exact_margins or self.modes_checked <= FEW_MODES
 
@@ -545,6 +547,8 @@ def growing_in_words(verdict: RodStability) -> str:
             return f"{'all high modes grow' if mode is None else f'mode {mode} grows'} in mean square"
         case NoisyCoupledEvidence():
             return "coupled modes grow in mean square"
+        case TwoFrequencyCoupledEvidence():
+            return "growth"
 
 
 def _headline(verdict: RodStability) -> str:
@@ -553,7 +557,7 @@ def _headline(verdict: RodStability) -> str:
     is_noisy = isinstance(evidence, NoisyEvidence | NoisyCoupledEvidence)
     subject = f"{status.upper()}{' in mean square' if is_noisy else ''}"
     tenfold = f"tenfold in {verdict.time_to_grow():.3g} s"
-    if status == "stable" and isinstance(evidence, TwoFrequencyEvidence):
+    if status == "stable" and isinstance(evidence, TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
         return f"{subject}: {_within(verdict)}"
     if status == "stable":
         slow = f"growth of {verdict.growth_rate:.3g} 1/s is within the tolerance of {verdict.growth_tolerance:g} 1/s"
@@ -571,13 +575,16 @@ def _headline(verdict: RodStability) -> str:
             return f"{subject}: {f'{growing[0]}{more}' if growing else 'the rod grows'}; {tenfold}"
         case NoisyEvidence():
             return f"{subject}: {_noisy_modes_grow(verdict, evidence)}; {tenfold}"
-        case NoisyCoupledEvidence():
+        case NoisyCoupledEvidence() | TwoFrequencyCoupledEvidence():
             return f"{subject}: coupled modes grow, {tenfold}"
 
 
 def _within(verdict: RodStability) -> str:
     """Return up to which rate no mode grows under two frequencies, and which modes are meant."""
-    modes = "none of the modes checked" if math.isinf(verdict.left_out_bound) else "no mode"
+    evidence = verdict.evidence
+    modes = "nothing"
+    if isinstance(evidence, TwoFrequencyEvidence):
+        modes = "none of the modes checked" if math.isinf(evidence.left_out_bound) else "no mode"
     if verdict.growth_tolerance:
         return f"{modes} grows faster than the tolerance of {verdict.growth_tolerance:g} 1/s"
     return f"{modes} grows: damping exceeds what approximants leave open, {verdict.error:.1g} 1/s"
@@ -615,8 +622,10 @@ def _sentence(verdict: RodStability) -> str:
         case IndependentEvidence() if status == "stable":
             slow = f", growth {verdict.growth_rate:.3g} 1/s within the tolerance" if verdict.growth_rate > 0.0 else ""
             return f"stable{slow}"
-        case TwoFrequencyEvidence() if status == "stable":
+        case TwoFrequencyEvidence() | TwoFrequencyCoupledEvidence() if status == "stable":
             return f"stable: {_within(verdict)}"
+        case TwoFrequencyCoupledEvidence():
+            return f"unstable: coupled modes grow at {growth}" if status == "unstable" else status
         case IndependentEvidence() | TwoFrequencyEvidence() if status == "undecided":
             return "undecided"
         case IndependentEvidence() | TwoFrequencyEvidence():
@@ -655,7 +664,7 @@ def _growing_mode(verdict: RodStability) -> str:
     match verdict.evidence:
         case IndependentEvidence() | TwoFrequencyEvidence():
             return f" in mode {verdict.fastest_mode}"
-        case CoupledEvidence():
+        case CoupledEvidence() | TwoFrequencyCoupledEvidence():
             return ""
         case NoisyEvidence() if verdict.fastest_mode is not None:
             return f" in mean square in mode {verdict.fastest_mode}"
@@ -675,7 +684,7 @@ def _method(verdict: RodStability) -> str:
             return f"second moments, {methods}; growth good to {error} 1/s"
         case CoupledEvidence():
             method = f"{evidence.whole.method}, {verdict.cost}"
-        case TwoFrequencyEvidence():
+        case TwoFrequencyEvidence() | TwoFrequencyCoupledEvidence():
             method = f"periodic approximants, {verdict.cost}"
         case NoisyCoupledEvidence():
             method = "second moments of coupled modes"
@@ -850,6 +859,14 @@ def _evidence_as_dict(verdict: RodStability) -> dict[str, Any]:
                 "load": verdict.load.kind_as_dict(),
                 "note": verdict.note,
             }
+        case TwoFrequencyCoupledEvidence():
+            return {
+                **growth_error,
+                "convergence": [{"modes": n, "growth_rate_per_s": number(rate)} for n, rate in evidence.convergence],
+                "ratio_of_frequencies_up_to": str(evidence.growth.approximants[-1][0]),
+                "load": verdict.load.kind_as_dict(),
+                "note": verdict.note,
+            }
 
 
 def _drawn_shape(verdict: RodStability) -> tuple[Shape, str]:
@@ -869,4 +886,6 @@ def _drawn_shape(verdict: RodStability) -> tuple[Shape, str]:
             missing = "draws the shape in which coupled modes grow, and these modes are independent"
         case NoisyCoupledEvidence():
             missing = "draws the shape in which coupled modes grow, and random motion has none"
+        case TwoFrequencyCoupledEvidence():
+            missing = "draws the shape in which coupled modes grow, which two frequencies change all the time"
     raise validate.wrong_value("plot", missing)

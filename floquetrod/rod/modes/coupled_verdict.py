@@ -131,9 +131,9 @@ def _numbers(model: ModeModel, load: Load, first: _Trial, fewer: int, growth_tol
         numbers = count, needed
     else:
         if first.fastest is None:  # the second verdict takes as long as the first: the fewer modes the better
-            fewer = min(fewer, count - max(2, count // _share(model, count)))
+            fewer = min(fewer, count - max(2, count // left_out_share(model, count)))
         numbers = fewer, count
-        by_chance = by_chance or _has_functions_of_its_own(model, count)
+        by_chance = by_chance or has_functions_of_its_own(model, count)
     return {*numbers, sum(numbers) // 2} if by_chance else {*numbers}
 
 
@@ -144,7 +144,7 @@ def _compared(model: ModeModel, trials: Sequence[_Trial]) -> Sequence[_Trial]:
     drive (see `_driven`): two numbers of modes may agree by chance.
     """
     rod = model.rod
-    is_by_chance = rod.course.breaks or _has_functions_of_its_own(model, trials[-1].modes.count)
+    is_by_chance = rod.course.breaks or has_functions_of_its_own(model, trials[-1].modes.count)
     return trials[-3:-1] if is_by_chance else trials[-2:-1]
 
 
@@ -166,18 +166,18 @@ def _driven(model: ModeModel, load: Load, trial: _Trial) -> int:
     return min(below + _BESIDE, 2 * count, _LONG)
 
 
-def _share(model: ModeModel, count: int) -> int:
+def left_out_share(model: ModeModel, count: int) -> int:
     """Return n where the second trial leaves out one mode in n.
 
     More are left out where other functions join the beam functions: growth then hardly changes over a few numbers of
     modes, and goes on changing after them.
     """
-    if _has_functions_of_its_own(model, count):
+    if has_functions_of_its_own(model, count):
         return 4
     return 6 if count <= _LONG else 10
 
 
-def _has_functions_of_its_own(model: ModeModel, count: int) -> bool:
+def has_functions_of_its_own(model: ModeModel, count: int) -> bool:
     """Return whether functions join the modes that differ with the number of modes."""
     rod = model.rod
     return are_enriched(rod) and (count <= SEVERAL or not are_nested(rod))
@@ -215,7 +215,7 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
     if SEVERAL < last <= _LONG and are_nested(rod):
         return last + max(2, last // 9), last
-    return last, last - max(2, last // _share(model, last))
+    return last, last - max(2, last // left_out_share(model, last))
 
 
 def _judged(system: HillSystem, part: Resonating | None) -> tuple[SystemStability, Fastest | None, Resonating | None]:

@@ -20,7 +20,6 @@ from floquetrod.floquet.verdict import Cost
 from floquetrod.rod.answers.evidence import TwoFrequencyEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Second, second_in_words
-from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.assumptions import Assumption, assumptions
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
@@ -48,37 +47,20 @@ class TwoFrequencyModel(SampledModel):
     samples: ClassVar[int] = 129
     damping_source: ClassVar[str] = "that of the load whose growth is worst, by bisection"
 
-    def __post_init__(self) -> None:
-        """Refuse rods whose modes are coupled, and channels that bend."""
-        couplings = [each for each in coupling(self.rod, self.template) if each != WAVEFORM]
-        if not self.rod.course.is_straight:
-            couplings.append("a channel that bends")
-        if couplings:
-            raise wrong_value(
-                "second",
-                f"needs independent modes, of hinged ends in a straight channel, got {', '.join(couplings)}; leave ",
-                Mention("second"),
-                " out, or, where both frequencies are multiples of one, give that one and a ",
-                Mention("waveform"),
-                *(
-                    ("; ", Mention("mean_at", "mean_at=None", "none"), " neglects the weight along the rod")
-                    if "weight along the rod" in couplings
-                    else ()
-                ),
-            )
-
     @property
-    def _second(self) -> Second:
-        return cast(Second, self.template.second)
+    def _sine(self) -> tuple[float, float, float]:
+        """Amplitude, frequency and phase of the second sine."""
+        amplitude, frequency, *ahead = cast(Second, self.template.second)
+        return amplitude, frequency, ahead[0] if ahead else 0.0
 
     @property
     def coupling(self) -> tuple[str, ...]:
         """The second sine, in words."""
-        return (*super().coupling, second_in_words(self._second))
+        return (*super().coupling, second_in_words(cast(Second, self.template.second)))
 
     def refusal(self, name: str) -> ValueError:
         """Return the error for questions that two frequencies have no answer to: proofs, friction, finite time."""
-        there = second_in_words(self._second)
+        there = second_in_words(cast(Second, self.template.second))
         return wrong_value(name, f"is not answered under {there}; leave ", Mention("second"), " out")
 
     # --- equations ---
@@ -104,7 +86,7 @@ class TwoFrequencyModel(SampledModel):
 
     def _strongest(self, load: Load) -> Load:
         """Return one sine that reaches as high modes."""
-        amplitude, frequency, *_ = self._second
+        amplitude, frequency, _ = self._sine
         size = load.amplitude * float(np.abs(load.harmonics).sum()) + amplitude
         fastest = max(load.frequency * load.harmonics.size, frequency)
         return replace(load, amplitude=size, frequency=fastest, waveform="sine", second=None)
@@ -113,8 +95,7 @@ class TwoFrequencyModel(SampledModel):
         """Return the equation of each mode, in the time tau = omega t of the first frequency."""
         constants: ModeConstants = mode_constants(self.rod)
         system = ModalSystem(constants, replace(load, second=None), tuple(modes))
-        amplitude, frequency, *ahead = self._second
-        phase = ahead[0] if ahead else 0.0
+        amplitude, frequency, phase = self._sine
         damping, rows = system.damping, (system.alpha, system.beta, amplitude * system.per_newton)
         cosines, sines = load.harmonics.real, -load.harmonics.imag
         return tuple(
@@ -161,7 +142,7 @@ class TwoFrequencyModel(SampledModel):
             period=2.0 * math.pi / omega,
             error=float(errors.max()),
             cost=Cost(sum(len(growth.approximants) for growth in growths), "approximants"),
-            note=_advice(float((known + errors)[unsure].max()), self.rod.damping_rate) if status == "undecided" else "",
+            note=advice(float((known + errors)[unsure].max()), self.rod.damping_rate) if status == "undecided" else "",
             assumptions=(*assumptions(self.rod, load), ASSUMED),
         )
 
@@ -226,7 +207,7 @@ def _worst(found: ManyGrowths) -> Status:
     return "undecided" if (found.status == UNDECIDED).any() else "stable"
 
 
-def _advice(needed: float, damping_rate: float) -> str:
+def advice(needed: float, damping_rate: float) -> str:
     """Return what decides a verdict, where that is possible."""
     if not math.isfinite(needed):
         return "the growth of a mode is not known"
