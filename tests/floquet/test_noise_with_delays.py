@@ -237,6 +237,7 @@ def test_coefficients_that_jump(seed: int) -> None:
     assert error < 1e-8
 
 
+@pytest.mark.slow
 def test_milling_with_noise_in_the_cutting_force_has_the_moments_of_short_steps() -> None:
     k, c, cut = 1.0, 0.3, 0.25
     tooth = [(1.5, [[k + cut]]), (2.5, [[k]])]

@@ -260,6 +260,7 @@ def test_files_interruptions_and_checkpoints(buckled: fr.Simulation, tmp_path: P
     assert fr.Simulation.load(whole.save(tmp_path / "whole.npz")).continued(0.1) == whole.continued(0.1)
 
 
+@pytest.mark.slow
 def test_an_ensemble_starts_from_a_state(buckled: fr.Simulation) -> None:
     problem = fr.SimulationProblem(ROD, CALM, duration=0.05, frames=11, start=buckled)
     means = [0.1 * FORCE, 0.4 * FORCE]

@@ -152,6 +152,7 @@ def test_a_field_case(kick_off: float, build: float) -> None:
     assert math.isinf(weight_of_tapered(path, 5900.0, 0.295, "pushed"))
 
 
+@pytest.mark.slow
 def test_weights_are_those_of_the_mean_force_and_of_reach() -> None:
     given: dict[str, Any] = {"far_force": 200.0, "wellhead_pressure": "10MPa", "stripper": "4kN"}
     found = PIPE.surface_weights(WELL, [0.2, [(0, 0.3), ("1450m", 0.45)]], depth=[800.0, 1700.0, 2900.0], **given)
@@ -180,6 +181,7 @@ def test_more_friction_spreads_the_broom() -> None:
     assert (found.free < found.pick_up).all()
 
 
+@pytest.mark.slow
 def test_one_factor_by_depth_is_one_and_several_are_several() -> None:
     at: dict[str, Any] = {"depth": [1100.0]}
     pairs = [(0, 0.2), ("1050m", 0.3)]

@@ -179,6 +179,7 @@ def test_a_weak_second_sine_changes_little() -> None:
     np.testing.assert_allclose(weak.force, one.force, atol=weak.error + one.error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_a_phase_between_free_frequencies_changes_no_digit(seed: int) -> None:
     tool = drawn_tool(seed)
