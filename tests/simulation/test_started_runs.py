@@ -156,7 +156,6 @@ def test_growth_after_a_stable_load_is_that_without_it() -> None:
     assert later.outcome.kind == alone.outcome.kind == "quiet"
 
 
-@pytest.mark.slow
 def test_growth_of_a_run_that_begins_large_is_refused_in_a_sentence(buckled: fr.Simulation) -> None:
     for load in (CALM, fr.AxialWave(CALM.mean, CALM.amplitude, CALM.frequency)):
         run = fr.simulate(ROD, load, duration=0.2, start=buckled)

@@ -316,8 +316,9 @@ def test_the_largest_force_is_that_of_a_fine_grid(rng: np.random.Generator) -> N
             assert line.largest(load, np.array([frequency]))[0] == pytest.approx(found.factor, rel=1e-7)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("far_end", FAR_ENDS)
+@pytest.mark.parametrize(
+    "far_end", [pytest.param(end, marks=[pytest.mark.slow] * (k > 0)) for k, end in enumerate(FAR_ENDS)]
+)
 def test_gaps_are_where_verdicts_are_refused(far_end: str, rng: np.random.Generator) -> None:
     load = wave(far_end, waveform=(1.0, 0.0, 0.2))
     for _ in range(depth(20, 3)):
