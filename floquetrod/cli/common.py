@@ -465,6 +465,7 @@ def find_bands(options: argparse.Namespace, chart: fr.Chart) -> bool:
     return True
 
 
+_ROUNDING = 1e-9  # of an axis, below which an end of a band is 0: vertices err by more (a choice)
 _LISTED_BANDS = 12  # of a chart that are listed in the terminal, the fastest growing ones (a choice)
 
 
@@ -483,7 +484,10 @@ def bands_listed(bands: fr.results.Bands) -> str:
         for row in (
             (
                 band.name or "band",
-                *(f"{values.min():.5g} to {values.max():.5g}" for values in (band.x, band.y)),
+                *(
+                    f"{_end(values.min(), axis)} to {_end(values.max(), axis)}"
+                    for values, axis in ((band.x, bands.x), (band.y, bands.y))
+                ),
                 "not known" if math.isnan(band.largest_growth) else f"{band.largest_growth:.5g}",
                 f"{band.place[0]:.5g}, {band.place[1]:.5g}",
             ),
@@ -496,6 +500,12 @@ def bands_listed(bands: fr.results.Bands) -> str:
     more = len(bands) - _LISTED_BANDS
     rest = f"and {more:,} more, which grow more slowly: --json lists all" if more > 0 else ""
     return f"{bands.caption}\n\n{Table([(title, '<') for title in columns], rows, rest)}"
+
+
+def _end(value: float, axis: Any) -> str:
+    """Return an end of a band along an axis; 0 where rounding errors differ from it, relative to the axis."""
+    width = float(axis.values[-1] - axis.values[0])
+    return f"{0.0 if abs(value) < _ROUNDING * width else value:.5g}"
 
 
 def _rate(unit: str) -> str:

@@ -51,9 +51,9 @@ h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid var(--line);
 .verdict p { margin: 0.2rem 0; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.9rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.15rem 0.9rem 0.15rem 0; }
-table + table { margin-top: 0.8rem; } th { font-weight: 600; white-space: nowrap; }
+table + table { margin-top: 0.8rem; } th { font-weight: 600; white-space: nowrap; } th + th { white-space: normal; }
 td { overflow-wrap: break-word; font-variant-numeric: tabular-nums; } td:not(:last-child) { white-space: nowrap; }
-td:nth-child(3) ~ td:last-child { min-width: 14rem; }
+td:nth-child(3) ~ td:last-child { min-width: 14rem; } td:nth-child(6) ~ td:last-child { min-width: 0; }
 figure { margin: 1rem 0; } figcaption { font-size: 0.9rem; }
 img { width: 100%; height: auto; max-height: 25cm; object-fit: contain; border-radius: 4px; }
 @media print { :root { font-size: 12px; } body { font-size: 1rem; margin: 0; max-width: none; } }

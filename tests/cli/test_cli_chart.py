@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,9 @@ def test_bands_are_found_unless_pixels_are_wanted(capsys: pytest.CaptureFixture[
     fastest = max(chart.bands, key=lambda band: band.largest_growth)
     assert text.splitlines()[3].startswith(fastest.name)
     assert len(text.splitlines()) == 3 + len(chart.bands)
+    first = chart.bands.bands[0]
+    shifted = replace(first, x=first.x - first.x.min() + 3e-13)  # from zero, but for an error of rounding
+    assert "  0 to " in bands_listed(replace(chart.bands, bands=(shifted,)))
     before = str(chart)
     chart.plot()
     assert str(chart) == before

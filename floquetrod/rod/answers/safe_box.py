@@ -125,7 +125,7 @@ class SafeBox(Reported, NoTruthValue):
         shown = self.proof.units_of_sides(names)
         tolerances = "".join(f"; every rod of {side.in_words(shown[side.name])}" for side in self.rod_tolerances)
         grows = f"no mode grows faster than {self.growth_tolerance:g} 1/s{tolerances}"
-        return f"proved: {grows}; loads outside the box may be stable, too"
+        return f"proved: {grows}; other loads may be stable, too"
 
     def _table(self, names: Mapping[str, str]) -> Table:
         rows = []
