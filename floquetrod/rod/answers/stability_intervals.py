@@ -119,7 +119,7 @@ class BandModel(Protocol):
 
     @property
     def damping_subject(self) -> str:
-        """What the damping required by an unstable band stabilises."""
+        """At which loads of an unstable band the required damping stabilises it, in words."""
 
     @property
     def damping_source(self) -> str:
@@ -437,7 +437,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
             lines.append(("sampled", f"unstable bands narrower than {narrow} may have been missed"))
         if unstable:
             what = self.searched.model.damping_subject
-            most, above = _rounded_up(self.required_damping), f"above the rate of a band {what} is stable"
+            most, above = _rounded_up(self.required_damping), f"a band is stable above its rate, {what}"
             largest = "no rate stabilises all bands" if most == "none" else f"{most} is the largest rate required"
             lines.append(("damping", f"{largest}; {above}"))
         rows = self._rows(shown, width, unstable, () if full else listed.thin, full=full)

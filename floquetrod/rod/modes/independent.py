@@ -55,7 +55,7 @@ class IndependentModel(ModeModel):
 
     prompt: ClassVar[bool] = True
     samples_at_once: ClassVar[int] = 1 << 17  # some 10 MB
-    damping_subject: ClassVar[str] = "every sampled load of the band"
+    damping_subject: ClassVar[str] = "at every load sampled in it"
     damping_source: ClassVar[str] = "sampled over the band; null where no damping suffices"
 
     def require(self, name: str) -> None:

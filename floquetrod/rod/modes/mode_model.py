@@ -78,7 +78,7 @@ class ModeModel(ABC):
     loads_at_once: ClassVar[int | None] = None
     """Loads of a map between two reports of progress; None for as many as charts choose."""
     samples_at_once: ClassVar[int] = 1 << 8
-    damping_subject: ClassVar[str] = "that load"
+    damping_subject: ClassVar[str] = "at the load of its fastest growth"
     """What the damping required by an unstable band stabilises."""
     damping_source: ClassVar[str] = "that of the load whose growth is worst"
     """How that damping is computed, in words."""
