@@ -225,7 +225,16 @@ class _EvenBatch(_Batch):
         self.uncertainty, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
         self.order = 2 * system.order
 
+    @cached_property
+    def _single(self) -> _EvenPart:
+        """The first system, as by `_checked`."""
+        return self._checked(slice(0, 1))
+
     def _part(self, chunk: slice) -> _EvenPart:
+        """Return a chunk of systems as by `_checked`, of one system from what is kept."""
+        return self._single if len(self.period) == 1 else self._checked(chunk)
+
+    def _checked(self, chunk: slice) -> _EvenPart:
         """Return a chunk of systems; with zero matrices and infinite uncertainty where they would take too long."""
         stiffness, amplitudes, period = self.stiffness[chunk], self.amplitudes[chunk], self.period[chunk]
         long = half_period_maps.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
@@ -402,12 +411,22 @@ def _without(rows: Bools, array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _batch(systems: Any) -> _Batch:
-    """Return systems in the form of the fastest method that serves all of them."""
+    """Return systems, checked, in the form of the fastest method; of one system it is kept with it."""
     if not isinstance(systems, HillSystem | PeriodicSystem):
         raise TypeError(
             f"systems must be a HillSystem or PeriodicSystem, one or a batch of them, got {validate.short(systems)}; "
             "floquetrod.systems.stack makes a batch of a list"
         )
+    kept: _Batch | None = vars(systems).get("_batch")
+    if kept is None:
+        kept = _formed(systems)
+        if not systems.shape:  # of many systems it would keep as much memory as they take
+            vars(systems)["_batch"] = kept
+    return kept
+
+
+def _formed(systems: System) -> _Batch:
+    """Return systems in the form of the fastest method that serves all of them."""
     pairs = undamped_pairs(systems)
     subject, damping = pairs if pairs is not None else (systems, 0.0)
     if isinstance(subject, HillSystem):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import pickle
 from typing import Any
 
 import numpy as np
@@ -206,3 +207,12 @@ def test_a_system_picked_is_the_one_that_would_be_made_alone(rng: np.random.Gene
         assert found == alone
         assert (found.structure, found.shape) == (alone.structure, ())
         assert not found.cosines[0].flags.writeable
+
+
+def test_one_system_answers_again_as_in_a_batch_and_a_copy_answers_alike() -> None:
+    coupling = 0.2 * np.array([[0.5, 1.0], [1.0, 0.8]])
+    single = fr.HillSystem(np.diag([1.0, 4.0]), [coupling], damping=0.02 * np.eye(2), period=2.0 * np.pi / 3.0)
+    first, again = fr.systems.multipliers(single), fr.systems.multipliers(single)
+    copied = fr.systems.multipliers(pickle.loads(pickle.dumps(single)))
+    together = fr.systems.multipliers(fr.systems.stack([single, single]))
+    assert all(np.array_equal(first, other) for other in (again, copied, *together))
