@@ -31,7 +31,7 @@ from floquetrod.rod.modes.verdict_samples import VerdictCounts
 
 _MOST_SECONDS = 120.0  # that a verdict takes at most, as estimated (a choice)
 _LONG = 200  # modes up to which those are taken that the frequencies drive
-_LEAST, _MOST = VerdictCounts(3, 4), VerdictCounts(17, 20)  # for a part of a search for a margin (a choice)
+_LEAST, _MOST = VerdictCounts(3, 10), VerdictCounts(17, 20)  # for a part of a search for a margin (a choice)
 
 
 @dataclass(frozen=True)

@@ -170,6 +170,8 @@ def test_searches_over_coupled_modes_agree_with_verdicts() -> None:
             assert rod.is_stable(load, mean=float(value))
     critical = float(rod.critical("amplitude", load, growth_tolerance=0.0))
     assert rod.verdicts(load, amplitude=[0.999 * critical, 1.02 * critical]).tolist() == [1, 0]
+    above = rod.stability(load).margin("amplitude", seconds=60.0).above
+    assert load.amplitude + above == pytest.approx(critical, rel=1e-3)
     chart = fr.stability_map(rod, load, mean=(0.1 * FCR, 0.3 * FCR, 3), frequency=(120.0, 160.0, 2))
     for row, column in np.ndindex(*chart.stable.shape):
         frequency, mean = float(chart.x.values[column]), float(chart.y.values[row])
