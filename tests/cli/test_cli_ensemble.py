@@ -339,7 +339,7 @@ def test_progress_tells_the_time_left(
     clock: list[float],
     tuned: Tuned,
 ) -> None:
-    """In a log there is a line after ten seconds, and one a minute at last."""
+    """In a log there is a line after ten seconds, and one a minute at last; a first pause may be for compiling."""
     seen: list[waiting.Waiting] = []
 
     def run(_: object, *, progress: waiting.Waiting, **__: object) -> None:
@@ -363,7 +363,8 @@ def test_progress_tells_the_time_left(
     progress._speak()
     assert pauses == [10.0, 20.0, 40.0, 60.0, 60.0, 60.0]
     lines = capsys.readouterr().err.splitlines()
-    assert lines[0] == "floquetrod: simulating: 10 s, 2 of 26 runs, 4 minutes left (Ctrl-C ends it)"
+    assert lines[0] == "floquetrod: simulating: 10 s, 2 of 26 runs (Ctrl-C ends it)"
+    assert lines[1] == "floquetrod: simulating: 30 s, 4 of 26 runs, 4 minutes left (Ctrl-C ends it)"
     assert lines[-1] == "floquetrod: simulating: 190 s, 20 of 26 runs, 60 seconds left (Ctrl-C ends it)"
 
 
