@@ -105,7 +105,7 @@ MISTAKES = [
     (CHECK.replace("nitinol", "negative.toml"), "length", "-3.1", "greater than zero"),
     (CHECK.replace("nitinol", "typed.toml"), "--rod", "'desity'", "did you mean density?"),
     (CHECK.replace("nitinol", "inches.toml"), "radius", "'0.8 inchs'", "did you mean"),
-    (CHECK.replace("nitinol", "swapped.toml"), "channel_radius", "0.0047", "diameters"),
+    (CHECK.replace("nitinol", "swapped.toml"), "channel_radius", "0.0047", "half of channel_diameter"),
     (CHECK.replace("nitinol", "'2.00x0.156 CT90'"), "--rod", "'2.00x0.156 CT90'", "needs --bore and --length"),
     (CHECK.replace("nitinol", "2.375x0.2"), "--rod", "'2.375x0.2'", "a pipe needs --bore and --length, too"),
     (
