@@ -63,6 +63,11 @@ def _model(rod: RodData, like: Load) -> ModeModel:
         return TwoFrequencyCoupledModel(rod, like)
     if not coupled and not like.noise:
         return IndependentModel(rod, like)
+    if not like.noise and coupled == (WAVEFORM,) and len(like.harmonics) == 1:
+        from floquetrod.rod.modes.one_harmonic import OneHarmonicModel, has_one_harmonic
+
+        if has_one_harmonic(like):
+            return OneHarmonicModel(rod, like)
     if not like.noise:
         from floquetrod.rod.modes.coupled import CoupledModel
 

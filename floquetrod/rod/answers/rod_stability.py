@@ -76,6 +76,10 @@ class VerdictModel(Protocol):
     def template(self) -> Load:
         """The load."""
 
+    @property
+    def has_exact_margins(self) -> bool:
+        """Whether margins follow from the tongues even where the evidence is coupled modes."""
+
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return the smallest damping rate in 1/s at which, and at every larger one, no mode grows."""
 
@@ -416,7 +420,12 @@ class RodStability(Reported, Verdict):
         """Whether margins take some seconds at most, as they do except for many modes without exact margins."""
         if isinstance(self.evidence, TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
             return self.evidence.seconds <= _QUICK_VERDICT
-        return self.evidence.has_exact_margins or self.modes_checked <= FEW_MODES
+        return self._has_exact_margins or self.modes_checked <= FEW_MODES
+
+    @property
+    def _has_exact_margins(self) -> bool:
+        """Whether margins follow from the tongues, so that they miss nothing."""
+        return self.evidence.has_exact_margins or self.model.has_exact_margins
 
     @property
     def margin_tolerance(self) -> float:
@@ -463,13 +472,13 @@ class RodStability(Reported, Verdict):
             lines.append(("", f"most in {words}, at {shown['length'].show(place, 4)} from the upper end"))
         if margins is not None:
             lines += margin_lines(margins, self.status, shown, self._band_beyond)
-            if not evidence.has_exact_margins:
+            if not self._has_exact_margins:
                 lines.append(("", "found by sampling: two changes close together may be missed"))
             if math.isinf(damping := self.damping_to_stabilise):
                 text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
                 lines.append(("damping", text))
             elif damping > 0.0:
-                rates = "a damping_rate" if evidence.has_exact_margins else "every damping_rate tried"
+                rates = "a damping_rate" if self._has_exact_margins else "every damping_rate tried"
                 lines.append(("damping", f"stable with {rates} above {damping:.6g} 1/s"))
         table = table_of_parts(self.rod, answer_units(shown)) if self.rod.varies else _mode_table(evidence)
         lines.append(("checked", self.cutoff))

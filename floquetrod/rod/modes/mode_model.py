@@ -75,6 +75,8 @@ class ModeModel(ABC):
 
     prompt: ClassVar[bool] = False
     """Whether a verdict takes milliseconds, so that one may be had for a hint, or while a slider moves."""
+    has_exact_margins: ClassVar[bool] = False
+    """Whether margins follow from the tongues even where the evidence is coupled modes."""
     loads_at_once: ClassVar[int | None] = None
     """Loads of a map between two reports of progress; None for as many as charts choose."""
     samples_at_once: ClassVar[int] = 1 << 8

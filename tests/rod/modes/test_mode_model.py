@@ -254,6 +254,7 @@ MODELS = {
     "rod/modes/independent.py",
     "rod/modes/coupled.py",
     "rod/modes/noisy_coupled.py",
+    "rod/modes/one_harmonic.py",
     "rod/rod.py",
     "rod/answers/rod_stability.py",
     "__init__.py",
