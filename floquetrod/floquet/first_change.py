@@ -36,12 +36,15 @@ class FirstChange(NamedTuple):
         Changes closer together than this may have been passed over; 0 where none can be.
     seconds : float
         Duration of the search, as estimated.
+    error : float
+        Of ``at``; NaN where it is not estimated.
     """
 
     at: float | None
     searched: float
     resolution: float
     seconds: float = 0.0
+    error: float = math.nan
 
 
 def first_change(

@@ -17,6 +17,7 @@ from floquetrod.floquet.first_change import FirstChange, first_change
 from floquetrod.floquet.problems import require_problem
 
 _ACCURACY = 1e-10  # of a boundary, relative to what was searched (a choice)
+_DIGITS = 9  # of a distance without an estimated error (a choice)
 _MOST_SAMPLES = 100_000  # on either side: ten seconds for a scalar equation (measured)
 
 
@@ -38,19 +39,29 @@ class Margin(_Distances):
         Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
     searched : (float, float)
         Distances below and above up to which was searched; the distance of a change.
+    errors : (float, float)
+        Of ``below`` and ``above``: up to this much farther the verdict may be undecided.  NaN where a distance is
+        infinite, and where the error is not estimated.
 
     Comparing compares the distances.
     """
 
     resolution: float
     searched: tuple[float, float]
+    errors: tuple[float, float]
 
     def __new__(
-        cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
+        cls,
+        below: float,
+        above: float,
+        resolution: float = 0.0,
+        searched: tuple[float, float] | None = None,
+        errors: tuple[float, float] = (math.nan, math.nan),
     ) -> Margin:
-        """Return a pair of distances with the resolution and the ends of the search."""
+        """Return a pair of distances with their errors, the resolution and the ends of the search."""
         margin = super().__new__(cls, below, above)
         margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
+        margin.errors = errors
         return margin
 
     @classmethod
@@ -58,18 +69,33 @@ class Margin(_Distances):
         """Return the margin at a value from the searches below and above it."""
         fall, rise = (math.inf if end.at is None else abs(end.at - here) for end in (below, above))
         searched = abs(below.searched - here), abs(above.searched - here)
-        return cls(fall, rise, max(below.resolution, above.resolution), searched)
+        return cls(fall, rise, max(below.resolution, above.resolution), searched, (below.error, above.error))
 
     def __repr__(self) -> str:
-        """Return the distances, and how far was searched where there is no change."""
-        below, above = self.searched
-        searched = f", searched=({below:.6g}, {above:.6g})" if math.inf in self else ""
-        return f"Margin(below={self.below}, above={self.above}{searched})"
+        """Return the distances to the digits that are certain, how far was searched, and in which steps."""
+        below, above = (_distance(*end) for end in zip(self, self.errors, strict=True))
+        sides = zip(self, self.searched, ("below", "above"), strict=True)
+        ends = [f"{reach:.6g} {side}" for distance, reach, side in sides if math.isinf(distance)]
+        searched = f"searched {'up to ' if ends else ''}{' and '.join(ends)}{' ' if ends else ''}"
+        steps = f"in steps of {self.resolution:.3g}" if self.resolution else "without gaps"
+        return f"Margin(below={below}, above={above}, {searched}{steps})"
+
+    def _asdict(self) -> dict[str, Any]:
+        """Return the distances for JSON, with all that is known of the search."""
+        named = {name: getattr(self, name) for name in ("resolution", "searched", "errors")}
+        return super()._asdict() | named
 
     @property
     def nearest(self) -> float:
         """The smaller of the two distances."""
         return min(self)
+
+
+def _distance(distance: float, error: float) -> str:
+    """Return a distance to the last digit that its error leaves."""
+    if not 0.0 < error < distance < math.inf:
+        return f"{distance:.{_DIGITS}g}"
+    return f"{distance:.{max(0, -math.ceil(math.log10(error)))}f}"
 
 
 def margin(
@@ -86,14 +112,16 @@ def margin(
     within : (float, float)
         Ends of the range searched; the value in ``at`` lies between them.
     samples : int
-        Verdicts on either side, 2 to 100,000: a change and its reverse between two of them are passed over.
+        Verdicts on either side, 2 to 100,000: a change and its reverse between two of them are passed over, as a narrow
+        stable band in an unstable range is.  More find narrower bands, and take as much longer.
     **at
         Arguments of the family at which the verdict is, all of them.
 
     Returns
     -------
     Margin
-        The nearest change on either side to 1e-10 of the range searched; its ``resolution`` is the distance of samples.
+        The nearest change met on either side, its ``resolution`` the larger distance of samples.  The ``errors`` are
+        1e-10 of the range searched, or the width in which the verdict is undecided where this is more.
 
     Raises
     ------
@@ -151,16 +179,27 @@ def _first_change(status: Callable[[float], str], own: str, piece: tuple[float, 
     step = abs(end - here) / (samples - 1)
     if here == end:
         return FirstChange(None, end, step)
+    accuracy = _ACCURACY * abs(end - here)
 
     def blocks() -> Iterator[tuple[Floats, Bools]]:
         for before, value in pairwise(np.linspace(here, end, samples).tolist()):
             yield np.array([before, value]), np.array([True, status(value) == own])
 
     def locate(inside: Floats, outside: Floats) -> Floats:
-        accuracy = _ACCURACY * abs(end - here)
         return np.array([_boundary(status, own, float(inside[0]), float(outside[0]), accuracy)])
 
-    return first_change(blocks(), True, locate, piece, step)
+    change = first_change(blocks(), True, locate, piece, step)
+    return change if change.at is None else change._replace(error=_undecided(status, change.at, end, accuracy))
+
+
+def _undecided(status: Callable[[float], str], at: float, end: float, accuracy: float) -> float:
+    """Return how far beyond a change the verdict may be undecided, ``accuracy`` at least."""
+    apart = accuracy
+    while apart < abs(end - at):
+        if status(at + math.copysign(apart, end - at)) != "undecided":
+            return apart
+        apart *= 4.0
+    return max(abs(end - at), accuracy)
 
 
 def _boundary(status: Callable[[float], str], own: str, inside: float, outside: float, accuracy: float) -> float:

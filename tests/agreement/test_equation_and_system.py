@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import pickle
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy.optimize import brentq
+from scipy.special import mathieu_b
 
 import floquetrod as fr
 from floquetrod.floquet.verdict import FloquetVerdict
@@ -196,11 +199,41 @@ def test_margins_are_those_of_the_system_and_of_the_curves() -> None:
     assert ours.below == math.inf
     assert ours.searched == pytest.approx((0.4, ours.above))
     assert ours.resolution == pytest.approx(0.5 / 9.0)
-    assert repr(ours) == f"Margin(below=inf, above={ours.above}, searched=(0.4, {ours.above:.6g}))"
+    assert repr(ours) == f"Margin(below=inf, above={ours.above:.10f}, searched up to 0.4 below in steps of 0.0556)"
+    assert abs(ours.above - abs(edge + 0.5)) <= ours.errors[1] < 1e-10
+    assert math.isnan(ours.errors[0])
     grown = fr.margin(fr.Mathieu, "beta", (-0.5, 0.0), alpha=0.1, beta=-0.25)
     assert fr.stability(fr.Mathieu(0.1, -0.25 - grown.below * 1.0001)).status == "stable"
     assert fr.stability(fr.Mathieu(0.1, -0.25 - grown.below * 0.9999)).status == "unstable"
     assert grown.nearest == min(grown)
+
+
+def trap(q: float) -> fr.HillSystem:
+    """Return an ion trap without a direct voltage."""
+    return fr.HillSystem(np.zeros((2, 2)), [np.diag([-2.0 * q, 2.0 * q])], period=np.pi)
+
+
+def test_a_margin_states_its_steps() -> None:
+    """The second region, 0.07 wide, is narrower than the steps."""
+    coarse = fr.margin(trap, "q", (0.0, 9.0), samples=9, q=8.0)
+    assert repr(coarse) == "Margin(below=inf, above=inf, searched up to 8 below and 1 above in steps of 1)"
+    told = json.loads(fr.to_json(coarse))["result"]
+    assert told == {"below": None, "above": None, "resolution": 1.0, "searched": [8.0, 1.0], "errors": [None, None]}
+    assert repr(fr.results.Margin(1.0, 2.0)) == "Margin(below=1, above=2, searched without gaps)"
+
+
+@pytest.mark.slow
+def test_margins_of_a_trap_hold_within_their_errors() -> None:
+    """Without a field, the true edge, the verdict is undecided."""
+    edge = brentq(lambda q: float(mathieu_b(1, q)), 0.8, 1.0, xtol=1e-14)
+    low = fr.margin(trap, "q", (0.0, 4.0), samples=9, q=0.5)
+    assert abs(low.below - 0.5) <= low.errors[0] < 1e-6
+    assert abs(low.above - (edge - 0.5)) <= low.errors[1] < 1e-8
+    assert repr(low) == "Margin(below=0.4999999, above=0.408046334, searched in steps of 0.438)"
+    fine = fr.margin(trap, "q", (7.0, 8.0), samples=21, q=8.0)
+    assert fine.resolution == pytest.approx(0.05)
+    assert fr.stability(trap(8.0 - fine.below - 1e-4)).status == "stable"
+    assert fr.stability(trap(8.0 - fine.below + 1e-4)).status == "unstable"
 
 
 def test_what_has_no_margin_is_refused() -> None:

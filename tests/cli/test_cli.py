@@ -46,7 +46,7 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
         r"grows to  about 24 degrees in mode 7 alone, about which it beats without damping",
         r"load      mean 0\.2 Fcr \(0\.3392 N\), amplitude 0\.2 Fcr \(0\.3392 N\), 150 rad/s \(23\.87 Hz\)",
         r"margins   mean force  stable 0\.1256 Fcr lower or 0\.0743\d Fcr higher\n",
-        r"          amplitude   stable 0\.1461 Fcr lower\n",
+        r"          amplitude   stable 0\.1461 Fcr lower, in steps of \S+ Fcr\n",
         r"          frequency   stable 11\.34 rad/s lower or 6\.332 rad/s higher\n",
         r"damping   stable with a damping_rate above 4\.20579 1/s",
         r"checked   modes 1 to 23: every higher mode grows at less than \de-\d+ per second",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -353,6 +354,10 @@ def test_reports() -> None:
     first = verdict.exponents[0]
     line = f"none, since the system has losses or gain; its exponents, per unit time: {first.real:.6g} "
     assert line in " ".join(str(verdict.report()).split())
+    decayed = fr.stability(fr.PeriodicSystem([[-0.1j - 0.2, 0.0], [0.0, 0.0]], period=1.0))
+    words = " ".join(str(decayed.report()).split())
+    assert re.search(r"per unit time: 0 within \de-\d+, -0\.2 - 0\.1i ", words)
+    assert re.search(r"margin the largest multiplier lies on the unit circle within \de-\d+ ", words)
     assert "energies" not in str(fr.stability(fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], period=1.0)).report())
     assert fr.stability(atom(1.0, 0.5, 1.0)).as_dict()["quasienergies"] == pytest.approx(
         [-0.375247278169, 0.375247278169]

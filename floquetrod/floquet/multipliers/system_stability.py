@@ -28,6 +28,14 @@ def _second_order(system: Any) -> bool:
     return system.is_second_order if isinstance(system, _DELAYED) else not isinstance(system, PeriodicSystem)
 
 
+def _exponent(exponent: complex, error: float) -> str:
+    """Return an exponent, without an imaginary part and with the real part 0 where these are within the error."""
+    real, imag = (part if abs(part) > error else 0.0 for part in (exponent.real, exponent.imag))
+    if real == imag == 0.0:
+        return f"0 within {error:.0e}"
+    return f"{real:.6g} {'-' if imag < 0.0 else '+'} {abs(imag):.6g}i" if imag else f"{real:.6g}"
+
+
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class SystemStability(FloquetVerdict):
     """Verdict on a system of equations, per unit of its time.
@@ -184,7 +192,8 @@ class SystemStability(FloquetVerdict):
             return [("energies", f"quasienergies {energies}, in angular frequency")]
         if not (isinstance(self.system, PeriodicSystem) and self.system.is_complex):
             return []
-        exponents = ", ".join(f"{s.real:.6g} {'-' if s.imag < 0.0 else '+'} {abs(s.imag):.6g}i" for s in known)
+        errors = zip(self.exponents, self.exponent_errors, strict=True)
+        exponents = ", ".join(_exponent(exponent, error) for exponent, error in errors if exponent == exponent)
         return [("energies", f"none, since the system has losses or gain; its exponents, per unit time: {exponents}")]
 
     def _damping_lines(self) -> list[tuple[str, str]]:
@@ -229,6 +238,8 @@ class SystemStability(FloquetVerdict):
     @property
     def _margin(self) -> str:
         largest = self.largest_multiplier_less_1
+        if self.status == "undecided" and abs(largest) <= self.error < 1.0:
+            return f"the largest multiplier lies on the unit circle within {self.error:.0e}"
         if largest == 0.0:
             apart = self.opposite_signs_apart
             text = "all multipliers lie on the unit circle"

@@ -169,6 +169,8 @@ def margin_lines(
                 grows = f" ({band.words})" if band else ""
                 changes.append(f"{shown[name].show(abs(distance), 4)} {way}{grows}")
         words = f"{change} {' or '.join(changes)}" if changes else _unchanged(margin, name, shown[name])
+        if margin.resolution:
+            words += f", in steps of {shown[name].show(margin.resolution, 2)}"
         lines.append(("" if lines else "margins", f"{LOAD[name].words:<11} {words}"))
     return lines
 
