@@ -175,6 +175,19 @@ def margin_lines(
     return lines
 
 
+def missed_changes(margins: Mapping[Quantity, Margin], shown: Mapping[str, Unit]) -> str:
+    """Return in one line how narrow an unstable band may be that sampled margins miss."""
+    widths = [
+        f"{shown[name].show(margin.resolution, 2)} in {LOAD[name].words}"
+        for name, margin in margins.items()
+        if margin.resolution
+    ]
+    if not widths:
+        return "found by sampling: two changes close together may be missed"
+    every = f"{', '.join(widths[:-1])} or {widths[-1]}" if len(widths) > 1 else widths[0]
+    return f"found by sampling: changes closer together than {every} may be missed"
+
+
 def margins_as_dict(
     margins: Mapping[Quantity, Margin], beyond: Callable[[Quantity, float], BandBeyond | None]
 ) -> dict[str, Any]:
@@ -187,9 +200,7 @@ def margins_as_dict(
         keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
         numbers |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
         bands = {"below": beyond(quantity, -margin.below), "above": beyond(quantity, margin.above)}
-        known = {
-            side: by_keys(band, "mode tongue growth_rate_per_s=growth is_thin") for side, band in bands.items() if band
-        }
+        known = {side: band.as_dict() for side, band in bands.items() if band}
         if known:
             numbers[f"{limits.words.replace(' ', '_')}_margin_ends_in"] = known
     return numbers

@@ -41,6 +41,7 @@ from floquetrod.rod.answers.reports import (
     answer_units,
     margin_lines,
     margins_as_dict,
+    missed_changes,
     shown_in,
     subject_lines,
 )
@@ -473,7 +474,7 @@ class RodStability(Reported, Verdict):
         if margins is not None:
             lines += margin_lines(margins, self.status, shown, self._band_beyond)
             if not self._has_exact_margins:
-                lines.append(("", "found by sampling: two changes close together may be missed"))
+                lines.append(("", missed_changes(margins, shown)))
             if math.isinf(damping := self.damping_to_stabilise):
                 text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
                 lines.append(("damping", text))

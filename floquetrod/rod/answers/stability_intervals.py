@@ -32,6 +32,9 @@ Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
 """
 
 
+BEYOND = 0.01  # of a quantity, up to which the band is looked into in which a margin ends (a choice)
+
+
 class BucklingWarning(UserWarning):
     """The weight along the rod buckles it even where the quantity varied is zero."""
 
@@ -82,23 +85,30 @@ class BandBeyond(NamedTuple):
 
     Attributes
     ----------
-    mode, tongue : int
-        The mode and tongue that grow at its edge.
+    cause : (int, int), Resonance or "unnamed"
+        The mode and tongue that grow at its edge, where modes are coupled a resonance.
     growth : float
-        Largest growth rate in it, in 1/s.
+        Largest growth rate in it, in 1/s; where modes are coupled the largest of samples.
     is_thin : bool
         Whether it ends within this hundredth.
     """
 
-    mode: int
-    tongue: int
+    cause: WhatGrows
     growth: float
     is_thin: bool
 
     @property
     def words(self) -> str:
         """What grows, and how fast at the most where the band is thin."""
-        return f"mode {self.mode}, tongue {self.tongue}{f': thin, {self.growth:.2g} 1/s' if self.is_thin else ''}"
+        return f"{_end(self.cause)}{f': thin, {self.growth:.2g} 1/s' if self.is_thin else ''}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the band as numbers for JSON."""
+        if isinstance(self.cause, Resonance | str):
+            cause = {"cause": _end_for_json(self.cause)}
+        else:
+            cause = {"mode": self.cause[0], "tongue": self.cause[1]}
+        return cause | by_keys(self, "growth_rate_per_s=growth is_thin")
 
 
 class Search(NamedTuple):

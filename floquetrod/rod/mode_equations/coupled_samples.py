@@ -44,6 +44,10 @@ _NEAR = 0.2  # frequencies of the load about half of it within which modes grow 
 _RULED = 5.0  # squared frequency over vibration up to which a mode is no follower of others (a choice)
 _FEWEST = 4  # modes that are asked in place of all
 _STRONGEST = 8  # harmonics of a load whose vibration of modes far above is taken into account
+# Of a quantity, beyond a change, where growth is examined: tenfold by two, then by thousandths (a choice).
+_BEYOND = np.append(np.logspace(-6.0, -3.0, 7), np.linspace(2e-3, 1e-2, 9))
+_IN_A_BAND = 17  # places in a thin band at which growth is examined (a choice)
+_MOST_SECONDS = 2.0  # for all of them (a choice)
 _ABOUT = np.arange(-8.0, 9.0)  # steps from where all modes do not answer as few did, asked of all (a choice)
 _CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is examined more closely
 _MOST_EXTREMA = 16  # that are examined more closely, those next to the level first (a choice)
@@ -139,6 +143,43 @@ def first_growth_change(
     blocks = search.blocks(values, distances, here, grows=not begins, progress=progress)
     change = first_change(blocks, begins, search.locate, piece, abs(float(values[1] - values[0])))
     return change._replace(seconds=costs.seconds(steps))
+
+
+class GrowthBeyond(NamedTuple):
+    """Growth just beyond a change, in 1/s, its cause, and whether it ends within a hundredth of the quantity."""
+
+    cause: Resonance | Literal["unnamed"]
+    growth: float
+    is_thin: bool
+
+
+def growth_beyond(
+    varied: Quantity, modes: CoupledEquations, load: Load, tolerance: float, piece: tuple[float, float]
+) -> GrowthBeyond | None:
+    """Return the growth beyond a change at ``piece[0]``, towards ``piece[1]``; None without, or where it takes long.
+
+    It is sampled up to a hundredth of the quantity; if it is stable at one of these places, more closely up to there.
+    A stable part narrower than their distance may be missed: the band is then taken to be wider.
+    """
+    edge, end = piece
+    each = _CoupledSamples(varied, modes, load, tolerance).costs(piece, grows=True).each
+    if each * (_BEYOND.size + _IN_A_BAND) > _MOST_SECONDS:
+        return None
+    offsets = np.copysign(_BEYOND * abs(edge), end - edge)
+    offsets = offsets[abs(offsets) <= abs(end - edge)]
+    if not offsets.size:
+        return None
+    status, growth = modes.answers(Loads.along(load, varied, edge + offsets), tolerance, quick=True)
+    stable = np.flatnonzero(status == 1)
+    is_thin = bool(stable.size)
+    if is_thin:
+        offsets = np.linspace(0.0, offsets[stable[0]], _IN_A_BAND + 2)[1:-1]
+        growth = modes.answers(Loads.along(load, varied, edge + offsets), tolerance, quick=True).growth
+    growth = np.where(np.isnan(growth), 0.0, growth)
+    most = int(growth.argmax())
+    if growth[most] <= 0.0:
+        return None
+    return GrowthBeyond(_cause(varied, modes, load, float(edge + offsets[most])), float(growth[most]), is_thin)
 
 
 class _Spacing(NamedTuple):

@@ -20,11 +20,11 @@ from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.multipliers.stabilising_damping import least_damping
 from floquetrod.rod.answers.evidence import CoupledEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
+from floquetrod.rod.answers.stability_intervals import BEYOND, BandBeyond, Search, StabilityIntervals, UnstableBand
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed, up_to_resonance
-from floquetrod.rod.mode_equations.coupled_samples import first_growth_change
+from floquetrod.rod.mode_equations.coupled_samples import first_growth_change, growth_beyond
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.contact import require_on_wall, up_to_wall
@@ -190,6 +190,21 @@ class CoupledModel(ModeModel):
             most_seconds=seconds,
             progress=progress,
         )
+
+    def band_beyond(self, verdict: RodStability, quantity: Quantity, change: float) -> BandBeyond | None:
+        """Return the unstable band in which a margin of a stable load ends, sampled; None where that takes long."""
+        if not verdict.stable:
+            return None
+        edge = getattr(self.template, quantity) + change
+        piece = up_to_wall(self.rod, self.template, quantity, (edge, edge + math.copysign(BEYOND * abs(edge), change)))
+        if quantity == "frequency":
+            piece = up_to_resonance(self.rod, self.template, piece)
+        try:
+            modes = self.modes_of_piece(verdict, quantity, piece)
+        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
+            return None
+        band = growth_beyond(quantity, modes, self.template, verdict.margin_tolerance, piece)
+        return None if band is None else BandBeyond(*band)
 
     def modes_of_piece(self, verdict: RodStability, quantity: Quantity, piece: tuple[float, float]) -> CoupledEquations:
         """Return as many modes as all loads of a piece need, no fewer than the verdict; those the caller chose."""

@@ -46,8 +46,6 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.stability_intervals import BandBeyond, Search, StabilityIntervals, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
-_BEYOND = 0.01  # of a quantity, up to which the band is looked into in which a margin ends (a choice)
-
 
 @dataclass(frozen=True)
 class IndependentModel(ModeModel):
@@ -242,12 +240,12 @@ class IndependentModel(ModeModel):
         """Return the unstable band in which a margin of a stable load ends, of all modes that matter."""
         if not verdict.stable or math.isinf(_system(verdict).left_out_bound):
             return None
-        from floquetrod.rod.answers.stability_intervals import Search
+        from floquetrod.rod.answers.stability_intervals import BEYOND, Search
         from floquetrod.rod.modes.unstable_bands import BandSearch
 
         load, tolerance = self.template, verdict.margin_tolerance
         edge = getattr(load, quantity) + change
-        piece = up_to_wall(self.rod, load, quantity, (edge, edge + math.copysign(_BEYOND * abs(edge), change)))
+        piece = up_to_wall(self.rod, load, quantity, (edge, edge + math.copysign(BEYOND * abs(edge), change)))
         low, high = sorted(piece)
         if low == high:
             return None

@@ -87,7 +87,7 @@ class BandSearch:
         mode = np.array([part.mode for part in inside], dtype=np.int64)
         first, last = (np.array([part[side] for part in inside]) for side in (0, 1))
         peaks = _peaks(lambda x, i: self._growth(mode[i], x), first, last, _SAMPLES, _STEPS)
-        return BandBeyond(begins.mode, begins.tongue, float(peaks.value.max()), is_thin=bool(gaps))
+        return BandBeyond((begins.mode, begins.tongue), float(peaks.value.max()), is_thin=bool(gaps))
 
     def _dampings(
         self, bands: Sequence[tuple[float, float]], band: Ints, mode: Ints, low: Floats, high: Floats

@@ -38,7 +38,7 @@ def test_a_margin_names_the_band_at_its_edge_as_ranges_do(quantity: Any, rng: np
         band = verdict.model.band_beyond(verdict, quantity, above)
         bounds = (here + 0.99 * above, here + above + 0.01 * abs(here + above))
         ranges = verdict.rod.ranges(quantity, load, bounds, growth_tolerance=verdict.margin_tolerance)
-        assert (band.mode, band.tongue) == ranges.intervals[0].high_end, load
+        assert band.cause == ranges.intervals[0].high_end, load
         assert band.is_thin == (len(ranges.intervals) > 1), load
         first = ranges.unstable[0]
         assert band.growth == pytest.approx(first.worst_growth, rel=1e-4), load

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from tests.inside import CoupledModel
+from tests.inside import CoupledModel, Resonance
 
 ROD = fr.Rod.nitinol()
 
@@ -24,9 +24,9 @@ def _drawn(rng: np.random.Generator) -> tuple[fr.Rod, fr.AxialLoad, fr.AxialLoad
     return rod, replace(sine, waveform=(cmath.exp(1j * rng.uniform(0.0, 6.0)),)), sine
 
 
-@pytest.mark.parametrize("count", [1, pytest.param(6, marks=pytest.mark.slow)])
-def test_margins_and_damping_are_those_of_the_sine(count: int, rng: np.random.Generator) -> None:
-    for _ in range(count):
+@pytest.mark.slow
+def test_margins_and_damping_are_those_of_the_sine(rng: np.random.Generator) -> None:
+    for _ in range(6):
         rod, load, sine = _drawn(rng)
         verdict, plain = rod.stability(load), rod.stability(sine)
         assert verdict.status == plain.status
@@ -73,7 +73,49 @@ def test_a_recorded_sine_ends_where_the_sine_does() -> None:
         assert margins[quantity] == pytest.approx(margin, rel=1e-9)
     thin = verdict.model.band_beyond(verdict, "mean", margins["mean"].above)
     assert thin is not None
-    assert (thin.mode, thin.tongue, thin.is_thin) == (6, 3, True)
+    assert (thin.cause, thin.is_thin) == ((6, 3), True)
     mean = record.mean + margins["mean"].above
     found = rod.ranges("mean", record.load, (record.mean, 1.2 * mean)).intervals[0]
     assert found.high == pytest.approx(mean, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_samples_beyond_a_margin_show_the_band_of_the_sine(rng: np.random.Generator) -> None:
+    compared = thin = 0
+    while compared < 6:
+        rod, load, _ = _drawn(rng)
+        verdict = rod.stability(load)
+        if not verdict.stable:
+            continue
+        above = verdict.margin("frequency").above
+        if not math.isfinite(above):
+            continue
+        compared += 1
+        exact = verdict.model.band_beyond(verdict, "frequency", above)
+        sampled = CoupledModel(rod, load).band_beyond(verdict, "frequency", above)
+        assert exact is not None
+        if sampled is None:  # narrower than the samples
+            assert exact.growth < 1e-3, load
+            continue
+        assert exact.is_thin or not sampled.is_thin, load  # a stable part between samples may be missed
+        thin += sampled.is_thin
+        if sampled.is_thin:
+            assert 0.97 * exact.growth <= sampled.growth, load
+            assert sampled.growth <= exact.growth * (1.0 + 1e-3), load
+            assert isinstance(sampled.cause, Resonance)
+            assert sampled.cause.modes == (exact.cause[0],)
+    assert thin >= 2
+
+
+def test_a_wave_says_the_growth_beyond_its_margins_and_how_narrow_a_band_it_may_miss() -> None:
+    rod = fr.Rod(youngs_modulus=40e9, density=1950.0, diameter=8e-3, length=4.0, channel_diameter=12e-3)
+    verdict = rod.stability(fr.AxialWave.hertz(5.0, 20.0, 17.0, far_end="free"))
+    found = fr.results.Margin(math.inf, 0.3626969763709, 0.033716587822, (8.0, 0.3626969763709))
+    margins: dict[Any, Any] = {"frequency": found}
+    said = str(verdict.report({"frequency": "Hz"}, margins))
+    assert "unstable 0.05773 Hz higher (sum resonance of modes 4 and 6, order 3: thin, 0.0022 1/s)" in said
+    assert "found by sampling: changes closer together than 0.0054 Hz in frequency may be missed" in said
+    ends = verdict.as_dict(margins)["frequency_margin_ends_in"]
+    assert set(ends) == {"above"}
+    assert ends["above"]["is_thin"]
+    assert list(ends["above"]["cause"]["modes"]) == [4, 6]
