@@ -86,7 +86,7 @@ class BandBeyond(NamedTuple):
     Attributes
     ----------
     cause : (int, int), Resonance or "unnamed"
-        The mode and tongue that grow at its edge, where modes are coupled a resonance.
+        The mode and tongue that grow at its edge; of coupled modes the resonance where growth is fastest.
     growth : float
         Largest growth rate in it, in 1/s; where modes are coupled the largest of samples.
     is_thin : bool
