@@ -154,7 +154,7 @@ def margin(
     own = status(here)
     if own == "undecided":
         raise ValueError(f"{along} must be where the verdict is known, got {here:g}, which is on a boundary")
-    below, above = (_first_change(status, own, (here, end), samples) for end in (low, high))
+    below, above = (status_change(status, own, (here, end), samples) for end in (low, high))
     return Margin.between(below, above, here)
 
 
@@ -173,7 +173,7 @@ def _given_by_name(along: Any, at: Mapping[str, Any]) -> str:
     )
 
 
-def _first_change(status: Callable[[float], str], own: str, piece: tuple[float, float], samples: int) -> FirstChange:
+def status_change(status: Callable[[float], str], own: str, piece: tuple[float, float], samples: int) -> FirstChange:
     """Return where the status first is another from ``piece[0]`` to ``piece[1]``, one sample at a time."""
     here, end = piece
     step = abs(end - here) / (samples - 1)

@@ -20,7 +20,7 @@ from floquetrod._util.plausibility_warning import PlausibilityWarning
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
-from floquetrod.floquet.equation_margins import charted_ranges, damping_in_words, in_one_line, margin_in_words
+from floquetrod.floquet.equation_margins import charted_ranges, damping_in_words, in_one_line, margins_in_words
 from floquetrod.floquet.references import ROD as ROD_REFERENCES
 from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Stability
@@ -183,8 +183,9 @@ def _document(result: Any, options: _Options) -> Document:
 def _(result: Stability, options: _Options) -> Document:
     if options.units is not None:
         raise validate.wrong_value("units", "must be left out, since an equation has none")
-    changes = {"damping": damping_in_words(result), "margin": margin_in_words(result)}
-    report = result.report().with_lines([(label, text) for label, text in changes.items() if text], before="trace")
+    nearest, *others = [*margins_in_words(result), ""]
+    changes = [("damping", damping_in_words(result)), ("margins", nearest), *(("", text) for text in others)]
+    report = result.report().with_lines([(label, text) for label, text in changes if text], before="trace")
     answer = DocumentSection("Answer", replace(report, headline="").with_assumptions(), _chart_about(result))
     sections = [*_files(options), answer, _made(result.references, options)]
     return Document("Stability of an equation", _about(options), [in_one_line(result)], sections)

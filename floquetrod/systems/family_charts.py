@@ -136,8 +136,10 @@ class Members(Family):
         return 1
 
     def subject(self) -> dict[str, Any]:
-        """Return the kinds of members, fixed arguments, and the name of the function, where it has one."""
-        name = self.function.__name__ if isinstance(self.function, FunctionType) else ""
+        """Return the kinds of members, fixed arguments, and the name of a user's function, where it has one."""
+        function = self.function
+        own = isinstance(function, FunctionType) and not function.__module__.startswith("floquetrod.")
+        name = function.__name__ if own else ""
         named = {"name": name} if name.isidentifier() else {}  # as "<lambda>" is not
         return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(entry) for entry in self.fixed]} | named
 

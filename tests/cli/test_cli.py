@@ -245,7 +245,8 @@ def test_compare_begins_with_the_verdict_and_what_changes_it(capsys: pytest.Capt
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == (
         "UNSTABLE: grows at 0.280198 per unit z, tenfold in 8.218 z; stable with a damping above 0.410143 per unit z, "
-        "0.310143 more; changes with q at 0.29116 (0.6088 lower), not higher up to 3.6, in steps of 0.042"
+        "0.310143 more; changes with a at 1.76362 (0.5636 higher) and at 0.0336536 (1.166 lower), in steps of 0.047; "
+        "changes with q at 0.29116 (0.6088 lower), none higher up to 3.6, in steps of 0.042"
     )
     assert sum(line.startswith("square_wave (another equation)") for line in lines) == 1
     assert lines[-1] == "all methods agree; square_wave solves another equation"
@@ -254,7 +255,13 @@ def test_compare_begins_with_the_verdict_and_what_changes_it(capsys: pytest.Capt
     assert cli.main(["compare", "--a", "-3", "--q", "-1.5"]) == 0
     head = capsys.readouterr().out.partition("\n")[0]
     assert "strong damping does not stabilise it" in head
-    assert head.endswith("no change with -q from 0 to 6, in steps of 0.07")
+    assert head.endswith(
+        "changes with -q at 3.11805 (1.618 higher), none lower down to 0, in steps of 0.07; "
+        "changes with a at -0.936818 (2.063 higher), none lower down to -6"
+    )
+    assert cli.main(["compare", "--a", "5", "--q", "0.1", "--damping", "0.01"]) == 0
+    head = capsys.readouterr().out.partition("\n")[0]
+    assert "; stable without damping; " in head
 
 
 @pytest.mark.parametrize("forcing", [0.9, -0.9])

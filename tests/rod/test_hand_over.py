@@ -118,7 +118,8 @@ def test_an_equation_is_passed_on_with_what_changes_its_verdict(
     for line in (
         "growth 0.280198 per unit z, tenfold in 8.218 z",
         "damping stable with a damping above 0.410143 per unit z, 0.310143 more",
-        "margin changes with -q at 0.29116 (0.6088 lower), not higher up to 3.6",
+        "margins changes with a at 1.76362 (0.5636 higher) and at 0.0336536 (1.166 lower), in steps of 0.047",
+        "changes with -q at 0.29116 (0.6088 lower), none higher up to 3.6, in steps of 0.042",
         "Figure 1. The equation among others with other q and a, with the damping 0.1: unstable where coloured.",
     ):
         assert line in words(page)

@@ -181,6 +181,8 @@ def test_a_plot_is_labelled() -> None:
     assert axes.get_title().startswith("coupled: system of 2 equations")
     unnamed = fr.chart(lambda **point: coupled(**point), over=OVER).plot()
     assert unnamed.get_title().startswith("system of 2 equations")
+    ours = fr.chart(fr.Mathieu.from_aq, over={"q": (0.0, 1.0, 3), "a": (0.5, 1.5, 3)}).plot()
+    assert ours.get_title() == "Mathieu's equation"
     axes.figure.canvas.draw()
     pyplot.close(axes.figure)
 

@@ -76,28 +76,23 @@ def _elementary(problem: ExactProblem) -> Proof | None:
 def _by_count(context: Any, problem: ExactProblem, count: Count) -> Proof:
     """Conclude from the number of eigenvalues below the equation's."""
     interval = Interval.from_count(count.below)
-    known = _crossed(count.below, "its damping removed and " if problem.damping else "")
+    known = _below(count.below, "without its damping, " if problem.damping else "")
     if count.below % 2 == 1:
         end = "every solution decays" if problem.damping else "every solution is bounded"
-        statement = f"{known}; past an odd number of boundaries {end}"
+        statement = f"{known}; above an odd number of them {end}"
         return _proof(problem, "stable", interval, context.dps, statement, *count.enclosures)
     if problem.damping > 0:
         return by_trace(context, problem, interval)
-    statement = (
-        f"{known}; {'past an even number of boundaries' if count.below else 'before the first'} a solution grows"
-    )
+    statement = f"{known}; {'above an even number of them' if count.below else 'below the first'} a solution grows"
     return _proof(problem, "unstable", interval, context.dps, statement, *count.enclosures)
 
 
-def _crossed(boundaries: int, without: str) -> str:
+def _below(boundaries: int, without: str) -> str:
     """Return how many transition curves lie below an equation: eigenvalues of Hill's, periodic and antiperiodic."""
-    number = {0: "no boundary of stability is", 1: "1 boundary of stability is"}.get(
-        boundaries, f"{boundaries} boundaries of stability are"
+    number = {0: "no boundary of stability lies", 1: "1 boundary of stability lies"}.get(
+        boundaries, f"{boundaries} boundaries of stability lie"
     )
-    return (
-        f"with {without}its mean stiffness raised from far below zero to its own value {number} crossed, and none lies "
-        "at that value"
-    )
+    return f"{without}{number} below its mean stiffness and none on it"
 
 
 def _by_closed_form(context: Any, problem: ExactProblem, halves: tuple[Fraction, Fraction]) -> Proof:
