@@ -84,7 +84,7 @@ def to_pandas(result: Any) -> Any:
     ----------
     result
         A result with a table: `Reach`, `MeanForce`, `StabilityIntervals`, `Comparison`, `WellPath`, `Chart`, `Bands`,
-        `Branch`, ensembles, and so on.
+        `Branch`, ensembles, and so on; or a sequence of results, a row each, such as ``branch.special_points``.
 
     Returns
     -------
@@ -105,8 +105,12 @@ def to_pandas(result: Any) -> Any:
     >>> list(to_pandas(path))  # doctest: +SKIP
     ['depth', 'inclination', 'azimuth']
     """
-    _require(result)
+    several = type(result) in (tuple, list) and len(result) > 0
+    for each in result if several else [result]:
+        _require(each)
     pandas = extras.pandas()
+    if several:
+        return pandas.DataFrame([dict(_cells(plain(each))) for each in result])
     if hasattr(result, "to_xarray"):
         return _rows(result.to_xarray(), pandas)
     numbers = plain(result)

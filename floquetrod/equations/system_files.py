@@ -304,7 +304,11 @@ def _constant(value: Any, key: str) -> float:
     try:
         number = Formula.read(value).value({}) if isinstance(value, str) else value
     except ValueError as error:
-        raise ValueError(f"{key} must be a number, or a formula of numbers such as 2*pi, got {error}") from None
+        number_with_unit = isinstance(value, str) and re.fullmatch(
+            r"\s*[-+]?[\d.]+(e[-+]?\d+)?\s*[^\W\d][\w/^]*\s*", value
+        )
+        numbers = "a number without a unit" if number_with_unit else "a number"
+        raise ValueError(f"{key} must be {numbers}, or a formula of numbers such as 2*pi, got {error}") from None
     return validate.finite(key, number)
 
 

@@ -92,9 +92,20 @@ class QuasiperiodicGrowth(NamedTuple):
         words = {
             "unstable": f"grows at {self.rate:.9g} +- {self.error:.1g} per unit of time",
             "stable": f"{bounded if self.rate + self.error >= 0.0 else self._decay} per unit of time",
-            "undecided": f"growth {self.rate:.3g} +- {self.error:.1g} per unit of time, tolerance {self.tolerance:.3g}",
+            "undecided": f"growth {self.rate:.3g} +- {self.error:.1g} per unit of time, tolerance {self.tolerance:.3g}"
+            f"{self._more}",
         }[self.status]
         return f"<{words}; ratio of frequencies taken as {ratio}>"
+
+    @property
+    def _more(self) -> str:
+        """The largest denominator whose error would decide, if it falls like the square of the denominator."""
+        apart = abs(self.tolerance - self.rate)
+        if not self.approximants or not 0.0 < self.error < math.inf or not apart > 0.0:
+            return ""
+        denominator = self.approximants[-1][0].denominator * math.sqrt(2.0 * self.error / apart)
+        most = math.ceil(2.0 * denominator)  # the next fraction of the golden ratio has 1.6 times the denominator
+        return f"; try most={most}" if most <= _LONGEST else f"; most={_LONGEST} may not decide, try another tolerance"
 
     @property
     def _decay(self) -> str:

@@ -107,6 +107,7 @@ class FirstOrderTongue:
         several = f"modes {self.modes[0]} and {self.modes[-1]}" if len(self.modes) > 1 else f"mode {self.modes[0]}"
         text = f"{self.kind} resonance of {several}, order {self.order}: w = {self.frequency:.6g} +- "
         text += f"{self.half_width:.3g}, growth {self.growth_rate:.3g} per unit time at the centre"
+        text += ", so the damping removes it" if self.growth_rate < 0.0 else ""
         text += "; overlaps another" if self.overlaps else ""
         return f"<first-order approximation, never a verdict: {text}>"
 
@@ -115,8 +116,10 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
     """Return the direct and combination resonances of a system to first order, the fastest growing first.
 
     They are tongues in the forcing frequency: the matrices stay as they are, and the system's own period does not
-    enter.  Each harmonic of the stiffness is taken alone, and so is each pair of modes.  The error of a boundary is of
-    second order in the forcing, and tongues of higher order are not seen at all: for a verdict ask `stability`.
+    enter.  Where the forcing depends on the frequency, as w^2 of a shaken support, a tongue holds for matrices at its
+    own ``frequency``: give them there.  Each harmonic of the stiffness is taken alone, and so is each pair of modes.
+    The error of a boundary is of second order in the forcing, and tongues of higher order are not seen at all: for a
+    verdict ask `stability`.
 
     Parameters
     ----------

@@ -32,7 +32,15 @@ UNITS: dict[str, dict[str, float]] = {
         "tf": 1e3 * _GRAVITY,
     },
     "force density": {"N^2/Hz": 1.0, "N2/Hz": 1.0, "kN^2/Hz": 1e6, "mN^2/Hz": 1e-6, "lbf^2/Hz": _POUND_FORCE**2},
-    "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "kHz": 2e3 * math.pi, "rpm": math.pi / 30.0},
+    "frequency": {
+        "rad/s": 1.0,
+        "1/s": 1.0,
+        "Hz": 2.0 * math.pi,
+        "kHz": 2e3 * math.pi,
+        "MHz": 2e6 * math.pi,
+        "GHz": 2e9 * math.pi,
+        "rpm": math.pi / 30.0,
+    },
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
     "length": {
         "m": 1.0,

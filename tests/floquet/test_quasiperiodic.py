@@ -51,6 +51,16 @@ def test_what_does_not_grow_is_never_simply_stable() -> None:
     assert growth.error >= abs(float(finest) - GOLDEN)
     finer = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,)), tolerance=1e-9)
     assert finer.status == "undecided"  # a thinner tongue may be there
+    assert "; most=2000 may not decide, try another tolerance; ratio" in repr(finer)
+
+
+def test_more_terms_that_are_named_decide() -> None:
+    equation = fr.TwoFrequencies(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,))
+    coarse = fr.quasiperiodic_growth(equation, tolerance=1e-3, most=13)
+    assert coarse.status == "undecided"
+    named = re.search(r"; try most=(\d+); ", repr(coarse))
+    assert named is not None
+    assert fr.quasiperiodic_growth(equation, tolerance=1e-3, most=int(named[1])).status == "stable"
 
 
 @pytest.mark.parametrize("damping", [1e-3, 0.0065, 0.3])

@@ -157,6 +157,8 @@ def test_tables_of_pandas() -> None:
     assert points.iloc[:, 0].tolist() == np.tile(chart.x.values, chart.y.values.size).tolist()
     assert points.iloc[:, 1].tolist() == np.repeat(chart.y.values, chart.x.values.size).tolist()
     assert len(fr.to_pandas(chart.bands)) == len(chart.bands) > 0
+    tongues = fr.systems.first_order_tongues(fr.HillSystem(np.diag([1.0, 4.0]), cosines=[0.1 * np.ones((2, 2))]))
+    assert fr.to_pandas(tongues)["frequency"].tolist() == [tongue.frequency for tongue in tongues]
     with pytest.raises(TypeError, match="must have a table"):
         fr.to_pandas(ALL["stress"]())
 

@@ -181,6 +181,10 @@ def test_it_says_what_it_is() -> None:
         "growth 0.0354 per unit time at the centre>"
     )
     assert all(text.startswith("<first-order approximation, never a verdict") for text in texts)
+    suppressed = fr.HillSystem(np.diag([1.0, 4.0]), cosines=[0.02 * SYMMETRIC], damping=0.2 * np.eye(2))
+    tongues = first_order_tongues(suppressed)
+    assert all(tongue.growth_rate < 0.0 for tongue in tongues)
+    assert all(repr(tongue).endswith(" at the centre, so the damping removes it>") for tongue in tongues)
     assert not hasattr(first_order_tongues(system(0.2))[0], "status")
     values = first_order_tongues(system(0.2))[0].growth_rate_at([2.9, 3.0, 3.2])
     assert values.shape == (3,)

@@ -26,7 +26,9 @@ DEFINITIONS: dict[str, dict[str, Fraction | float]] = {
         "N": 1, "kN": 1000, "MN": 10**6, "mN": Fraction(1, 1000), "daN": 10, "lbf": FORCE, "klbf": 1000 * FORCE,
         "kip": 1000 * FORCE, "kgf": GRAVITY, "tf": 1000 * GRAVITY,
     },
-    "frequency": {"rad/s": 1, "1/s": 1, "Hz": TURN, "kHz": 1000 * TURN, "rpm": TURN / 60},
+    "frequency": {
+        "rad/s": 1, "1/s": 1, "Hz": TURN, "kHz": 1e3 * TURN, "MHz": 1e6 * TURN, "GHz": 1e9 * TURN, "rpm": TURN / 60,
+    },
     "time": {"s": 1, "ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "min": 60, "h": 3600},
     "length": {
         "m": 1, "mm": Fraction(1, 1000), "cm": Fraction(1, 100), "um": Fraction(1, 10**6), "km": 1000, "in": INCH,
