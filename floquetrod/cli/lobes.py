@@ -28,8 +28,8 @@ examples:
 
 The file has the cutter's modes, teeth, immersion and cutting coefficients, and may have the ranges of speed and depth.
 On a "Hopf" lobe the frequency of chatter is near that of a mode, on a "flip" lobe its period is twice the time between
-teeth; the number of a lobe counts whole vibrations between two teeth.  With --at only the critical depth of cut at that
-speed is printed.
+teeth; the number of a lobe counts whole vibrations between two teeth, on average of unequal pitches.  With --at only
+the critical depth of cut at that speed is printed.
 
 A .png, .pdf or .svg file is a figure, a .csv file the vertices of the boundary in rpm and mm, a .npz file all the
 numbers (floquetrod.Chart.load reads it); --out may be repeated.

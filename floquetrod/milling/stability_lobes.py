@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple
@@ -41,7 +42,14 @@ ACCURACY = 1e-8  # relative error of critical depths: at most 2e-9 against twelv
 _TRACED = 4  # nodes more, with which logarithms are known to 2e-7, with more kinks than `_MOST_BREAKS` 2e-5 (measured)
 _SHOWN_ABOVE = 2.0  # least critical depths that a range suggested for a chart shows (a choice)
 _STRONG = 0.1  # of the strongest vibration, from which others may name a lobe (a choice)
-_SPEEDS, _ROUNDS = 4, 5  # between columns, where lobes are lowest: to a hundredth of their distance (a choice)
+_NARROWEST = 1e-4  # of the highest speed: edges of lobes are halved to so much (a choice)
+_HALVINGS, _END = 14, 1e-6  # of the distance to a neighbour at whose crossing a lobe is lowest; relative (a choice)
+_AFTER_FOLD = 4.0  # times the last change of a depth that nears a fold of the curve as a root: 1 / (1 - sqrt(1/2))
+_BESIDE = 0.01  # of depths of neighbours, by which shallower and deeper ones are tried first (a choice)
+_SHALLOW = 0.5  # of the least depth of neighbours, from which depths between columns are tried (a choice)
+_COARSE, _FINE = 1e-5, 1e-9  # of a critical depth, relative: where lobes are told apart, where lowest (a choice)
+_JUMP = 0.03  # of the frequency of chatter between neighbours, beyond which a lobe may lie between them (a choice)
+_INWARD, _PARABOLAS = 1e-3, 12  # of the distance of starts: the shortest step; how many are made (a choice)
 _SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
 _NOT_REAL = 1e-6  # rad of a multiplier's angle, from 0 or pi
 
@@ -64,15 +72,18 @@ class Lobe(NamedTuple):
         How the vibration begins: with a frequency near a mode's, with twice the time between teeth as its period,
         or with that time; of uneven teeth the time until they repeat.
     number : int
-        Whole vibrations between two teeth, on average of uneven ones.
+        Whole vibrations between two teeth.  For unequal pitches the chatter frequency times the mean time between two
+        teeth, rounded down.
     speeds : (float, float)
-        Spindle speeds, in rad/s, of its first and its last column of the chart: its edges lie up to a column beyond.
+        Lowest and highest spindle speed, in rad/s, at which it was found; its edges lie up to a ten-thousandth beyond.
     depth : float
-        Its least critical depth, in m, searched between the columns beside the least one too.
+        Its least critical depth, in m, between columns too.
     at : float
         The speed there, in rad/s.
     frequency : float
         Chatter frequency there, angular, in rad/s.
+    error : float
+        Error of the depth, in m: 1e-8 of it, more where the lobe is lowest at its end beside a neighbour.
     """
 
     kind: Kind
@@ -81,6 +92,7 @@ class Lobe(NamedTuple):
     depth: float
     at: float
     frequency: float
+    error: float
 
     def __str__(self) -> str:
         """Return, say, "Hopf lobe 3"."""
@@ -142,15 +154,17 @@ class Lobes(Reported, NoTruthValue, ByContent):
                 "" if str(lobe) == str(before) else str(lobe),
                 " to ".join(dict.fromkeys(f"{_rpm(speed):.6g}" for speed in lobe.speeds)),
                 f"{1e3 * lobe.depth:.6g}",
+                f"{1e3 * lobe.error:.0e}",
                 f"{_rpm(lobe.at):.6g}",
                 f"{lobe.frequency / (2.0 * math.pi):.6g}",
             )
             for before, lobe in zip(begins, listed, strict=True)
         ]
-        head = ("lobe", "columns / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
+        head = ("lobe", "speeds / rpm", "least depth / mm", "error / mm", "at / rpm", "chatter / Hz")
         rest = (
-            f"Columns of the chart are {_rpm(self._width):.4g} rpm apart: edges of lobes lie up to so much beyond.  "
-            f"Least depths are searched between columns too; their relative error is below {ACCURACY:.0e}."
+            f"Edges of lobes lie up to {_rpm(edge_width(self.speeds)):.2g} rpm beyond these speeds.  "
+            f"Lobes narrower than {_rpm(self._width):.4g} rpm, the distance of columns of the chart, may be missed.  "
+            f"The relative error of a critical depth at a given speed is below {ACCURACY:.0e}."
         )
         return Report(repr(self.milling).strip("<>"), (), Table([(title, "<") for title in head], rows, rest))
 
@@ -191,6 +205,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
             "lobes": [{"name": str(lobe), **lobe._asdict()} for lobe in self.lobes],
             "speeds_rad_per_s": self.speeds.tolist(),
             "column_width_rad_per_s": self._width,
+            "edge_width_rad_per_s": edge_width(self.speeds),
             "critical_depths_m": [depth if math.isfinite(depth) else None for depth in self.depths.tolist()],
             "critical_depth_relative_error": ACCURACY,
             "stable_share": float(self.chart.stable.mean()),
@@ -414,26 +429,31 @@ def _first(milling: Cutter, speeds: Floats, tried: Floats, status: NDArray[np.in
     return result
 
 
-def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats) -> Floats:
+def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats, precise: float = _PRECISE) -> Floats:
     """Return depths between some at which nothing grows and some at which chatter does: the Illinois method.
 
     M. Dowell and P. Jarratt, BIT 11 (1971) 168, doi:10.1007/BF01934364.
     """
     ends = [_logs(milling, speeds, low), _logs(milling, speeds, high)]
+    before = np.zeros(speeds.size)
     kept = np.zeros(speeds.size)  # which end stayed last: its logarithm counts half the next time
     for _ in range(60):
-        wide = np.flatnonzero(high - low > _PRECISE * high)
+        wide = np.flatnonzero(high - low > precise * high)
         if not wide.size:
             break
         one, other = ends[0][wide], ends[1][wide]
-        share = np.clip(one / (one - other), 1e-3, 1.0 - 1e-3)
+        straight = one / (one - other)
+        share = np.clip(straight, 1e-3, 1.0 - 1e-3)
         middle = low[wide] + (high - low)[wide] * share
+        settled = (share == straight) & (np.abs(middle - before[wide]) <= precise * middle) & (precise > _PRECISE)
+        before[wide] = middle
         logs = _logs(milling, speeds[wide], middle)
         grows = logs > 0.0
         ends[0][wide] = np.where(grows, np.where(kept[wide] > 0.0, 0.5 * one, one), logs)
         ends[1][wide] = np.where(grows, logs, np.where(kept[wide] < 0.0, 0.5 * other, other))
         low[wide], high[wide] = np.where(grows, low[wide], middle), np.where(grows, middle, high[wide])
         kept[wide] = np.where(grows, 1.0, -1.0)
+        low[wide[settled]] = high[wide[settled]] = middle[settled]
         if (np.abs(logs) < 1e-12).all():
             low[wide], high[wide] = middle, middle
             break
@@ -472,68 +492,226 @@ def _axis(name: str, given: Any, read: Any) -> Floats:
 
 
 class _Onset(NamedTuple):
-    """How chatter begins at a speed: the angle of the multiplier, and vibrations until teeth repeat."""
+    """How chatter begins at a speed: the angle of the multiplier, vibrations until teeth repeat, and half ones."""
 
     kind: Kind
     angle: float
     turns: float
+    halves: float
 
 
-def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> list[Lobe]:
-    """Return the lobes between critical depths: neighbours that begin in one way, with as many whole vibrations."""
-    between = 2.0 * math.pi / milling.teeth / milling.cycle  # two teeth, on average
-
-    def name(onset: _Onset) -> tuple[Kind, int]:
-        return onset.kind, math.floor(onset.turns * between)
-
-    there = np.flatnonzero(np.isfinite(depths) & (depths > 0.0)).tolist()
-    onsets = {i: _onset(milling, speeds[i], depths[i]) for i in there}
-    groups: list[list[int]] = []
-    for i in there:
-        last = onsets.get(i - 1)
-        if last is None or name(onsets[i]) != name(last):
-            groups.append([])
-        groups[-1].append(i)
-    lobes = []
-    for members in groups:
-        i = min(members, key=lambda i: float(depths[i]))
-        low, high = float(speeds[max(i - 1, 0)]), float(speeds[min(i + 1, speeds.size - 1)])
-        lowest = _Lowest(float(speeds[i]), float(depths[i]), onsets[i])
-        for _ in range(_ROUNDS):
-            inner = np.linspace(low, high, _SPEEDS + 2)[1:-1]
-            found = [
-                each for each in _lower(milling, inner, lowest.depth, tried) if name(each.onset) == name(lowest.onset)
-            ]
-            lowest = min([lowest, *found], key=lambda each: each.depth)
-            width = (high - low) / (_SPEEDS + 1)
-            low, high = max(low, lowest.speed - width), min(high, lowest.speed + width)
-        kind, number = name(lowest.onset)
-        ends = float(speeds[members[0]]), float(speeds[members[-1]])
-        frequency = lowest.onset.turns * 2.0 * math.pi * lowest.speed / milling.cycle
-        lobes.append(Lobe(kind, number, ends, lowest.depth, lowest.speed, frequency))
-    return lobes
-
-
-class _Lowest(NamedTuple):
-    """The place where a lobe is lowest, as far as it was searched, and how chatter begins there."""
+class _Start(NamedTuple):
+    """Where chatter begins at a speed: the least depth, 0 or infinite if outside the chart, and how it begins there."""
 
     speed: float
     depth: float
-    onset: _Onset
+    onset: _Onset | None
+
+    @property
+    def branch(self) -> tuple[str, int]:
+        """Kind of the beginning, and between which multiples of pi the angle lies that a vibration turns by."""
+        if self.onset is None:
+            return ("below" if self.depth == 0.0 else "above"), 0
+        halves = self.onset.halves
+        return self.onset.kind, math.floor(halves) if self.onset.kind == "Hopf" else round(halves)
+
+    def is_apart(self, other: _Start) -> bool:
+        """Return whether another lobe may lie between: neighbours begin in other ways, or their frequencies jump."""
+        if self.onset is None or other.onset is None or self.branch != other.branch:
+            return self.branch != other.branch
+        one, another = self.onset.halves * self.speed, other.onset.halves * other.speed
+        return abs(one - another) > _JUMP * max(one, another)
 
 
-def _lower(milling: Cutter, speeds: Floats, depth: float, tried: Floats) -> list[_Lowest]:
-    """Return where chatter begins at less than a depth, among the depths tried along the columns of a chart."""
-    rows = np.append(tried[tried < depth], depth)
-    if rows.size < 2:
-        return []
-    status = judged(milling, np.repeat(speeds, rows.size), np.tile(rows, speeds.size)).status
-    first = _first(milling, speeds, rows, status.reshape(speeds.size, rows.size))
-    return [
-        _Lowest(speed, less, _onset(milling, speed, less))
-        for speed, less in zip(speeds.tolist(), first.tolist(), strict=True)
-        if 0.0 < less < depth
-    ]
+class _Place(NamedTuple):
+    """A speed at which a start is searched, first near depths at which neighbours begin."""
+
+    speed: float
+    near: tuple[float, float]
+    precise: float
+
+
+_Search = Generator[_Place, _Start, Any]
+
+
+class _Boundary:
+    """The boundary of chatter over spindle speeds, searched over the depths of a chart."""
+
+    def __init__(self, milling: Cutter, tried: Floats) -> None:
+        """Keep the depths of rows of a chart, thinned to the step of a search."""
+        self.milling = milling
+        self.between = 2.0 * math.pi / milling.teeth / milling.cycle  # two teeth, on average
+        stride = max(1, int(depth_step(milling) / (tried[1] - tried[0])))
+        self.rows = np.append(tried[:-1:stride], tried[-1])
+
+    def name(self, start: _Start) -> tuple[str, int]:
+        """Return kind and number of the lobe of a start; of none, whether chatter begins below or above the chart."""
+        if start.onset is None:
+            return start.branch
+        return start.onset.kind, math.floor(start.onset.turns * self.between + _NOT_REAL)
+
+    def start(self, speed: float, depth: float) -> _Start:
+        """Return the start at a speed with its critical depth."""
+        inside = math.isfinite(depth) and depth > 0.0
+        return _Start(speed, depth, _onset(self.milling, speed, depth) if inside else None)
+
+    def starts(self, places: list[_Place]) -> list[_Start]:
+        """Return starts at places."""
+        depths = np.full(len(places), math.inf)
+        left = list(range(len(places)))
+        rows = [self._rows(place.near) for place in places]
+        low, high = np.zeros(len(places)), np.zeros(len(places))
+        while left:
+            tried = [rows[i].pop(0) for i in left]
+            speeds = np.repeat([places[i].speed for i in left], [each.size for each in tried])
+            status = judged(self.milling, speeds, np.concatenate(tried)).status
+            ends = np.cumsum([each.size for each in tried])[:-1]
+            for i, each, chatter in zip(left, tried, np.split(status != STABLE, ends), strict=True):
+                first = int(chatter.argmax())
+                if chatter[first] and (first or not rows[i]):
+                    depths[i] = each[first] if first else 0.0
+                    low[i], high[i], rows[i] = each[max(first - 1, 0)], each[first], []
+            left = [i for i in left if rows[i]]
+        inner = np.flatnonzero(np.isfinite(depths) & (depths > 0.0))
+        if inner.size:
+            at = np.array([places[i].speed for i in inner])
+            depths[inner] = _crossed(self.milling, at, low[inner], high[inner], min(place.precise for place in places))
+        return [self.start(place.speed, depth) for place, depth in zip(places, depths.tolist(), strict=True)]
+
+    def _rows(self, near: tuple[float, float]) -> list[Floats]:
+        """Return depths to try one after the other: those beside depths of neighbours, then all."""
+        if not all(0.0 < depth < math.inf for depth in near):
+            return [self.rows]
+        beside = np.multiply.outer(near, 1.0 + _BESIDE * np.array([-1.0, -0.1, 0.1, 1.0])).ravel()
+        between = self.rows[(self.rows > _SHALLOW * min(near)) & (self.rows < max(near))]
+        return [np.unique(np.minimum(np.concatenate([beside, between]), self.rows[-1])), self.rows]
+
+    def together(self, searches: list[_Search]) -> list[Any]:
+        """Return the results of searches, whose places are judged together."""
+        results: list[Any] = [None] * len(searches)
+        answers: dict[int, _Start | None] = dict.fromkeys(range(len(searches)))
+        while answers:
+            places: dict[int, _Place] = {}
+            for i, answer in answers.items():
+                try:
+                    places[i] = searches[i].send(answer)  # type: ignore[arg-type]  # None begins a search
+                except StopIteration as end:
+                    results[i] = end.value
+            answers = dict(zip(places, self.starts(list(places.values())), strict=True))
+        return results
+
+    def refined(self, one: _Start, other: _Start, width: float) -> _Search:
+        """Return starts between two, halved to a width wherever neighbours are apart.
+
+        Along one curve the angle of a pair of multipliers is continuous: where it passes a multiple of pi the pair is
+        real, and halves that keep the multiple between them lead to the flip or fold lobe there.
+        """
+        if not one.is_apart(other) or other.speed - one.speed <= width:
+            return []
+        middle = yield _Place(0.5 * (one.speed + other.speed), (one.depth, other.depth), _COARSE)
+        before = yield from self.refined(one, middle, width)
+        after = yield from self.refined(middle, other, width)
+        return [*before, middle, *after]
+
+    def lowest(self, before: _Start | None, members: list[_Start], after: _Start | None) -> _Search:
+        """Return where a lobe is lowest, and the error of the depth in m; neighbours are None at ends of the chart."""
+        errors: dict[float, float] = {}
+        low = min(members, key=lambda start: start.depth)
+        for neighbour, inward in ((before, members[:2]), (after, members[:-3:-1])):
+            if neighbour is not None and low is inward[0]:
+                outward, error = yield from self.end(inward[1] if inward[1:] else None, low, neighbour)
+                errors[outward[-1].speed] = error
+                members = sorted({*members, *outward})
+        low = min(members, key=lambda start: start.depth)
+        i = members.index(low)
+        if len(members) > 1 and i in (0, len(members) - 1):  # does the depth fall inwards from the end?
+            speed = low.speed + _INWARD * (members[1 if i == 0 else -2].speed - low.speed)
+            start = yield _Place(speed, (low.depth, low.depth), _FINE)
+            if self.name(start) == self.name(low) and start.depth < low.depth:
+                low, members = start, sorted({*members, start})
+                i = members.index(low)
+        again = yield _Place(low.speed, (low.depth, low.depth), _FINE)
+        low = again if self.name(again) == self.name(low) else low
+        if 0 < i < len(members) - 1:
+            low, error = yield from self.valley(members[i - 1], low, members[i + 1])
+            errors[low.speed] = error
+        return low, max(errors.get(low.speed, 0.0), ACCURACY * low.depth)
+
+    def end(self, inside: _Start | None, inner: _Start, outer: _Start) -> _Search:
+        """Return starts of a lobe beyond its last one, up to the crossing with its neighbour, and the last's error."""
+        starts, floor = [inner], float(self.rows[0])
+        for _ in range(_HALVINGS):
+            if 0.0 <= starts[-1].depth - max(outer.depth, floor) <= _END * outer.depth:
+                break
+            middle = yield _Place(0.5 * (starts[-1].speed + outer.speed), (starts[-1].depth, outer.depth), _FINE)
+            if self.name(middle) == self.name(inner):
+                starts.append(middle)
+            else:
+                outer = middle
+        fall = starts[-1].depth - max(outer.depth, floor)
+        if starts[1:]:
+            change = _AFTER_FOLD * abs(starts[-1].depth - starts[-2].depth)
+        else:  # the end is so near that the root of its share of the way is left, at most
+            change = _AFTER_FOLD * 0.5 ** (0.5 * _HALVINGS) * abs(inner.depth - inside.depth) if inside else math.inf
+        return starts, min(fall, change) if fall >= 0.0 else change
+
+    def valley(self, left: _Start, middle: _Start, right: _Start) -> _Search:
+        """Return where a lobe is lowest between two starts, and its error: parabolas through a third one."""
+        for _ in range(_PARABOLAS):
+            below, above = middle.speed - left.speed, right.speed - middle.speed
+            falls = (left.depth - middle.depth) / below, (right.depth - middle.depth) / above
+            bend = sum(falls)
+            if not 0.0 < bend < math.inf:
+                break
+            step = 0.5 * (falls[0] * above - falls[1] * below) / bend
+            least = _INWARD * (above if step >= 0.0 else below)
+            if abs(step) < least:  # so near that the other side is brought closer, too
+                step = 4.0 * least if above > below else -4.0 * least * below / max(below, above)
+            middle_fall = bend * step * step / (above + below)
+            if abs(step) <= 4.0 * least and middle_fall < 0.1 * ACCURACY * middle.depth:
+                break
+            step = min(max(step, -0.9 * below), 0.9 * above)
+            start = yield _Place(middle.speed + step, (middle.depth, middle.depth), _FINE)
+            lower = self.name(start) == self.name(middle) and start.depth < middle.depth
+            if lower:
+                left, middle, right = (left, start, middle) if step < 0.0 else (middle, start, right)
+            elif step < 0.0:
+                left = start
+            else:
+                right = start
+        else:
+            return middle, max(left.depth, right.depth) - middle.depth
+        return middle, 0.0
+
+
+def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> list[Lobe]:
+    """Return the lobes of a chart: neighbours that begin in one way, with as many whole vibrations."""
+    boundary = _Boundary(milling, tried)
+    columns = [boundary.start(*column) for column in zip(speeds.tolist(), depths.tolist(), strict=True)]
+    width = edge_width(speeds)
+    between = boundary.together([boundary.refined(*neighbours, width) for neighbours in pairwise(columns)])
+    starts = columns[:1]
+    for inner, column in zip(between, columns[1:], strict=True):
+        starts += [*inner, column]
+    groups = [list(group) for _, group in itertools.groupby(starts, key=boundary.name)]
+    before = [None, *(group[-1] for group in groups[:-1])]
+    after = [*(group[0] for group in groups[1:]), None]
+    ends = zip(before, groups, after, strict=True)
+    chattering = [end for end in ends if end[1][0].onset is not None]
+    lobes = []
+    for (_, members, _), (low, error) in zip(
+        chattering, boundary.together([boundary.lowest(*end) for end in chattering]), strict=True
+    ):
+        kind, number = low.onset.kind, boundary.name(low)[1]
+        edges = min(members[0].speed, low.speed), max(members[-1].speed, low.speed)
+        frequency = low.onset.turns * 2.0 * math.pi * low.speed / milling.cycle
+        lobes.append(Lobe(kind, number, edges, low.depth, low.speed, frequency, error))
+    return lobes
+
+
+def edge_width(speeds: Floats) -> float:
+    """Return how far in rad/s edges of lobes may lie beyond their ends, over columns at some speeds."""
+    return min(float(speeds[1] - speeds[0]), _NARROWEST * float(speeds[-1]))
 
 
 def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
@@ -547,10 +725,11 @@ def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
     angle = abs(float(np.angle(values[leading])))
     kind: Kind = "fold" if angle < _NOT_REAL else "flip" if math.pi - angle < _NOT_REAL else "Hopf"
     vector = vectors[:, leading] if values[leading].imag >= 0.0 else vectors[:, leading].conj()
-    return _Onset(kind, angle, abs(_turns(milling, vector, angle, speed, _cut(milling, pieces, count, lag).mesh)))
+    turns, halves = _turns(milling, vector, angle, speed, _cut(milling, pieces, count, lag).mesh)
+    return _Onset(kind, angle, turns, halves)
 
 
-def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, on: Mesh | PieceMesh) -> float:
+def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, on: Mesh | PieceMesh) -> tuple[float, float]:
     """Return how often a solution vibrates until teeth repeat: of angle / 2 pi + k one that is strong in it.
 
     In deep cuts, which vary stiffness as much as the tool has, several are about as strong.  The one nearest to a
@@ -568,7 +747,13 @@ def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, on: M
     strength = np.square(np.abs(np.einsum("kpt,pt,ptn->kn", waves, weights, values))).sum(axis=1)
     natural = np.array([mode.frequency for mode in milling.modes]) * milling.cycle / (2.0 * math.pi * speed)
     away = np.abs(np.abs(tried)[:, None] - natural).min(axis=1)
-    return float(tried[int(np.where(strength >= _STRONG * strength.max(), away, math.inf).argmin())])
+    named = int(np.where(strength >= _STRONG * strength.max(), away, math.inf).argmin())
+    turns = abs(float(tried[named]))
+    # a pair turns by angle and -angle: beside a multiple of pi the stronger one tells on which side the solution is
+    middle = 0.5 * round(2.0 * turns)
+    mirrored = int(np.abs(tried + math.copysign(2.0 * middle - turns, tried[named])).argmin())
+    strongest = turns if strength[named] >= strength[mirrored] else 2.0 * middle - turns
+    return turns, 2.0 * strongest
 
 
 def _rpm(speed: float) -> float:

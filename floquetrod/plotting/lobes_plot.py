@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from typing import Any
-
-import numpy as np
 
 from floquetrod.plotting import palette
 from floquetrod.plotting.leaders import add_leaders
@@ -26,17 +25,10 @@ def draw_lobes(lobes: Any, ax: Any = None) -> Any:
     if lobes.lobes:
         widest = sorted(lobes.lobes, key=lambda lobe: lobe.speeds[0] - lobe.speeds[1])[:_NAMED]
         names = [f"{lobe.kind} {lobe.number}" for lobe in widest]
-        points = [_lowest(lobes, lobe) for lobe in widest]
+        points = [(30.0 * lobe.at / math.pi, 1e3 * lobe.depth) for lobe in widest]
         add_leaders(ax, names, points, list(lobes.chart.bands), _FARTHEST)
     else:
         style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
         text = textwrap.fill(lobes.none_in_range, _WIDE)
         ax.text(0.5, 0.5, text, transform=ax.transAxes, bbox=palette.BOX, **style)
     return ax
-
-
-def _lowest(lobes: Any, lobe: Any) -> tuple[float, float]:
-    """Return the speed and the depth, in the units of the chart, at which a lobe is lowest."""
-    first, last = np.searchsorted(lobes.speeds, lobe.speeds)
-    k = first + int(lobes.depths[first : last + 1].argmin())
-    return float(lobes.chart.x.values[k]), float(1e3 * lobes.depths[k])

@@ -104,7 +104,7 @@ def test_lobes_are_named_and_agree_with_single_verdicts() -> None:
     table = lobes.report().table
     assert table is not None
     width = 30.0 / np.pi * (lobes.speeds[1] - lobes.speeds[0])
-    assert f"Columns of the chart are {width:.4g} rpm apart" in table.rest
+    assert f"Lobes narrower than {width:.4g} rpm, the distance of columns of the chart, may be missed." in table.rest
     assert pickle.loads(pickle.dumps(lobes)) == lobes
     rng = np.random.default_rng(5)
     for i, j in zip(rng.integers(0, 8, 4), rng.integers(0, 16, 4), strict=True):
@@ -266,8 +266,8 @@ def test_the_table_of_lobes_names_each_once_and_no_neighbours_are_one_lobe(seed:
     assert len(names) == len(set(names)) == len(set(map(str, lobes.lobes)))
     assert len(table.rows) == len(lobes.lobes)
     for one, other in pairwise(lobes.lobes):
-        first, last = np.searchsorted(lobes.speeds, [other.speeds[0], one.speeds[1]])
-        assert str(one) != str(other) or first > last + 1
+        assert one.speeds[1] < other.speeds[0]
+        assert str(one) != str(other) or other.speeds[0] - one.speeds[1] > stability_lobes.edge_width(lobes.speeds)
 
 
 def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() -> None:
@@ -287,6 +287,77 @@ def test_the_least_depth_of_a_lobe_is_searched_between_columns() -> None:
     assert lobe.depth <= depths.min() * (1.0 + 1e-9)
     assert lobe.depth < 0.999 * lobes.depths.min()  # at a column chatter begins deeper
     assert cutter().critical_depth(f"{lobe.at!r}rad/s") == pytest.approx(lobe.depth, rel=1e-9)
+
+
+def variable_pitch_cutter() -> fr.Milling:
+    """Return a cutter whose flip lobes are narrower than the columns of a usual chart."""
+    return fr.Milling(
+        x=[fr.ToolMode("800Hz", "2%", stiffness="10N/um")],
+        teeth=4,
+        tangential="700N/mm2",
+        radial="210N/mm2",
+        immersion=0.5,
+        direction="down",
+        pitch=["70deg", "110deg"] * 2,
+    )
+
+
+def test_a_flip_lobe_between_columns_is_listed_and_named_in_the_picture() -> None:
+    lobes = variable_pitch_cutter().lobes(("6500rpm", "6950rpm", 4), ("0mm", "4.5mm", 10))
+    rpm = 30.0 / math.pi
+    (flip,) = (lobe for lobe in lobes.lobes if lobe.kind == "flip")
+    assert not any(flip.speeds[0] <= speed <= flip.speeds[1] for speed in lobes.speeds)
+    assert 1e3 * flip.depth == pytest.approx(3.78332, abs=5e-6)
+    assert rpm * flip.at == pytest.approx(6708.67, abs=0.05)
+    assert flip.frequency == pytest.approx(3.5 * 2.0 * flip.at)  # 3.5 vibrations in half a turn
+    assert flip.error == pytest.approx(1e-8 * flip.depth)
+    ax = lobes.plot()
+    (artist,) = (each for each in ax.artists if hasattr(each, "points"))
+    named = dict(zip((text.get_text() for text in artist.texts), artist.points, strict=True))
+    assert named["flip 1"] == pytest.approx((rpm * flip.at, 1e3 * flip.depth))
+    pyplot.close(ax.figure)
+
+
+@pytest.mark.slow
+def test_least_depths_of_lobes_do_not_depend_on_the_columns_of_the_chart() -> None:
+    page = fr.Milling(
+        x=[MODE],
+        teeth=4,
+        tangential="600MPa",
+        radial="200MPa",
+        immersion=0.3,
+        direction="down",
+        pitch=["70deg", "110deg"] * 2,
+    )
+    for mill, deep, flips in ((variable_pitch_cutter(), "16mm", 3), (page, "8mm", 3)):
+        tables: list[dict[str, Any]] = []
+        for columns in (60, 200, 400):
+            least: dict[str, Any] = {}
+            for lobe in mill.lobes(("3000rpm", "12000rpm", columns), ("0mm", deep, 60)).lobes:
+                if str(lobe) not in least or lobe.depth < least[str(lobe)].depth:
+                    least[str(lobe)] = lobe
+            tables.append(least)
+        wide = [{name for name in least if name != "flip lobe 4"} for least in tables]  # 0.07 rpm wide
+        assert wide[0] == wide[1] == wide[2]
+        assert sum(name.startswith("flip") for name in wide[0]) == flips
+        for name in wide[0]:
+            for one, other in pairwise(least[name] for least in tables):
+                assert abs(one.depth - other.depth) <= one.error + other.error, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(depth(40, 2)))
+def test_no_speed_within_a_lobe_has_less_depth_than_its_least(seed: int) -> None:
+    lobes, rng = drawn_lobes(seed), np.random.default_rng(seed)
+    for lobe in lobes.lobes:
+        speeds = np.append(rng.uniform(*lobe.speeds, 6), lobe.at)
+        deep = critical_depths(lobes.milling, speeds, 1e-3 * float(lobes.chart.y.values[-1]))
+        assert deep[-1] == pytest.approx(lobe.depth, rel=1e-8) or deep[-1] < lobe.depth
+        for speed, less in zip(speeds.tolist(), deep.tolist(), strict=True):
+            if less < lobe.depth - lobe.error:
+                onset = stability_lobes._onset(lobes.milling, speed, less)
+                between = 2.0 * math.pi / lobes.milling.teeth / lobes.milling.cycle
+                assert (onset.kind, math.floor(onset.turns * between + 1e-6)) != (lobe.kind, lobe.number)
 
 
 def test_where_no_lobe_is_in_range_a_range_is_told_that_has_one() -> None:
