@@ -49,7 +49,8 @@ _BESIDE = 0.01  # of depths of neighbours, by which shallower and deeper ones ar
 _SHALLOW = 0.5  # of the least depth of neighbours, from which depths between columns are tried (a choice)
 _COARSE, _FINE = 1e-5, 1e-9  # of a critical depth, relative: where lobes are told apart, where lowest (a choice)
 _JUMP = 0.03  # of the frequency of chatter between neighbours, beyond which a lobe may lie between them (a choice)
-_INWARD, _PARABOLAS = 1e-3, 12  # of the distance of starts: the shortest step; how many are made (a choice)
+_INWARD, _PARABOLAS = 1e-3, 40  # of the distance of starts: the shortest step; how many are made (a choice)
+_GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))  # of a bracket: a step of the golden section
 _SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
 _NOT_REAL = 1e-6  # rad of a multiplier's angle, from 0 or pi
 
@@ -656,9 +657,14 @@ class _Boundary:
         return starts, min(fall, change) if fall >= 0.0 else change
 
     def valley(self, left: _Start, middle: _Start, right: _Start) -> _Search:
-        """Return where a lobe is lowest between two starts, and its error: parabolas through a third one."""
+        """Return where a lobe is lowest between two starts, and its error: parabolas through a third one.
+
+        As in Brent's method a step of the golden section follows where a parabola narrowed the bracket by too little.
+        """
+        width = math.inf
         for _ in range(_PARABOLAS):
             below, above = middle.speed - left.speed, right.speed - middle.speed
+            narrowed, width = below + above < 0.6 * width, below + above
             falls = (left.depth - middle.depth) / below, (right.depth - middle.depth) / above
             bend = sum(falls)
             if not 0.0 < bend < math.inf:
@@ -671,6 +677,8 @@ class _Boundary:
             if abs(step) <= 4.0 * least and middle_fall < 0.1 * ACCURACY * middle.depth:
                 break
             step = min(max(step, -0.9 * below), 0.9 * above)
+            if not narrowed:
+                step = _GOLDEN * above if above > below else -_GOLDEN * below
             start = yield _Place(middle.speed + step, (middle.depth, middle.depth), _FINE)
             lower = self.name(start) == self.name(middle) and start.depth < middle.depth
             if lower:
