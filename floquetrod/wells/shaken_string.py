@@ -75,15 +75,17 @@ class ShakenString:
         return np.where(self._has(up), y_there, np.nan)
 
     def wave_at(self, depth: Floats) -> Floats:
-        """Return velocity in m/s, force in N and share of friction left at measured depths, (3, m), else NaN.
+        """Return velocity in m/s, force in N and share of friction left at measured depths, (5, m), else NaN.
 
-        Velocity and force are the largest: amplitudes, of two waves their sums.
+        Velocity and force are the largest: amplitudes, of two waves their sums.  The last two rows are velocity and
+        force of the second wave, 0 without.
         """
         up = self.bottom - depth
         frequencies = (frequency for _, frequency in self.shaking.sines)
         amplitudes = [self._amplitudes(*each, up) for each in zip(self.waves, frequencies, strict=True)]
         share = self.shaking.left(*(speed for speed, _ in amplitudes))
-        return np.where(self._has(up), [*np.sum(amplitudes, axis=0), share], np.nan)
+        second = amplitudes[1] if len(amplitudes) > 1 else np.zeros((2, up.size))
+        return np.where(self._has(up), [*np.sum(amplitudes, axis=0), share, *second], np.nan)
 
     def _amplitudes(self, wave: tool_wave.Wave, frequency: float, up: Floats) -> Floats:
         """Return the amplitudes of the velocity in m/s and of the force in N at heights above the lower end, (2, m)."""

@@ -22,15 +22,17 @@ from floquetrod.wells.shaken_string import ShakenString
 
 _TURNS = 30  # at most: seven are usual; of two waves, which settle beside each other, three times as many
 _STAYS = 1e-7, 10.0  # largest change of y in the last turn: at least, and over the tolerance
+_WAVE_ROWS = 5
 _MOST_WAVES = 500  # along a string (a choice): tools make some twenty
 
 
 class Run(NamedTuple):
     """Y of strings at depths, (m, n), at their upper ends, (n,), and where j + 1 sections meet, (j, n).
 
-    Beside these what their tools' waves do, (3, m, n): the amplitudes of the velocity in m/s and of the force in N, of
-    two waves their sums, 0 without a tool, and the share of friction left; the amplitude of the force where sections
-    meet; and whether forces and waves have settled, (n,), without which y is meaningless.
+    Beside these what their tools' waves do, (5, m, n): the amplitudes of the velocity in m/s and of the force in N, of
+    two waves their sums, 0 without a tool, the share of friction left, and the amplitudes of the second wave alone, 0
+    without; the amplitude of the force where sections meet; and whether forces and waves have settled, (n,), without
+    which y is meaningless.
     """
 
     depth: Floats
@@ -50,7 +52,7 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
     size, depths = bottoms.size, np.unique(depths)
     start = np.array(drag.y_of(drag.above_end(far_force, bottoms)))
     strings = Strings(np.full(size, top), bottoms, start)
-    y, wave = np.empty((depths.size, size)), np.empty((3, depths.size, size))
+    y, wave = np.empty((depths.size, size)), np.empty((_WAVE_ROWS, depths.size, size))
     joints = np.zeros((2, 0 if drag.assembly is None else drag.assembly.inner.size, size))
     states = Run(depths, y, np.empty(size), wave, np.ones(size, bool), *joints)
     works = np.zeros(size, bool)
@@ -63,7 +65,7 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
                 run_of_group = _shaken(drag, drag.shaking.of(size, i), group, depths, fineness)
             else:
                 group_y, top_y, joint_y = march.up(drag, group, depths, fineness)
-                no_wave = np.array([0.0, 0.0, 1.0])[:, None, None] + np.zeros(group_y.shape)
+                no_wave = np.array([0.0, 0.0, 1.0, 0.0, 0.0])[:, None, None] + np.zeros(group_y.shape)
                 still = no_wave, np.ones(i.size, bool), joint_y, np.zeros(joint_y.shape)
                 run_of_group = Run(depths, group_y, top_y, *still)
             states.y[:, i], states.top_y[i] = run_of_group.y, run_of_group.top_y
@@ -81,7 +83,7 @@ def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, fine
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
     inner = np.empty(0) if drag.assembly is None else drag.assembly.inner
-    y, wave = np.empty((depths.size, size)), np.empty((3, depths.size, size))
+    y, wave = np.empty((depths.size, size)), np.empty((_WAVE_ROWS, depths.size, size))
     states = Run(depths, y, np.empty(size), wave, np.empty(size, bool), *np.empty((2, inner.size, size)))
     frequency = np.broadcast_to(shaking.frequency, size).tolist()
 

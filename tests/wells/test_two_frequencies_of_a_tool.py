@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ import floquetrod as fr
 from floquetrod import cli
 from floquetrod._util.compilation import compiled
 from floquetrod.rod.loads.tool import independent_sines
-from floquetrod.wells.drag import CHECKED, FAST
+from floquetrod.wells.drag import CHECKED, FAST, WellGeometry
 from floquetrod.wells.kernels import shaken_march, tool_wave
 from floquetrod.wells.shaken_string import ShakenString
 from tests.inside import drag_of
@@ -229,17 +230,89 @@ def test_friction_of_locked_phases_beyond_those_refused_is_that_of_free_ones_to_
 # --- reach ---
 
 
-def test_a_second_sine_lessens_the_push_and_growth_is_not_computed() -> None:
-    level = fr.WellPath.straight(length=400.0, inclination="90deg")
+LEVEL = fr.WellPath.straight(length=400.0, inclination="90deg")
+
+
+def test_a_second_sine_lessens_the_push_and_lateral_waves_have_their_growth() -> None:
     tools = (fr.VibrationTool("5kN", "18Hz", "30m", second=second) for second in (None, ("3kN", "29Hz")))
-    alone, found = (TUBING.reach(level, 0.3, tool=tool, depth=[400.0]) for tool in tools)
+    alone, found = (TUBING.reach(LEVEL, 0.3, tool=tool, depth=[400.0]) for tool in tools)
     assert 0.0 < found.injector_shaken[0] < 0.97 * alone.injector_shaken[0]
     lines = dict(found.report().lines)
-    assert lines["waves"].startswith("not examined: growth under a tool of two frequencies is not computed")
+    assert lines["waves"].startswith("no lateral wave grows; at ")
+    assert alone.growth_error is None
+    assert alone.as_dict()["growth_error_per_s"] is None
     assert lines["tool Hz"] == "not examined with a tool of two frequencies"
     assert lines["tool"].startswith("5 kN at 18 Hz and 3 kN at 29 Hz, 30 m above the lower end: ")
     assert any("phases of the tool's two frequencies" in each for each in found.assumptions)
+    said = json.loads(json.dumps(found.as_dict(), allow_nan=False))
+    assert found.growth_error is not None
+    assert (found.growth_error < 1e-3).all()
+    assert said["growth_without_friction_per_s"] == found.growth_free.tolist()
+    assert said["growth_error_per_s"] == found.growth_error.tolist()
+    assert said["along"]["second_vibration_N"] == pytest.approx(found.along.second_vibration)
+    assert 1.0 < found.growth_free.max() < 3.0
+    assert (found.speed_to_grow > found.sliding).all()
+    found.plot()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_exchanged_sines_grow_alike_and_a_faint_one_changes_nothing(seed: int) -> None:
+    """A faint one to the errors, and to the grid of waves under one frequency."""
+    tool = drawn_tool(300 + seed)
+    (amplitude, frequency), other = tool.sines
+    exchanged = fr.VibrationTool(*other, tool.above_end, second=(amplitude, frequency))
+    both = [TUBING.reach(LEVEL, 0.3, tool=each, depth=[400.0]) for each in (tool, exchanged)]
+    for name in ("growth", "growth_free", "growth_error", "speed_to_grow", "half_wave"):
+        np.testing.assert_array_equal(*(getattr(each, name) for each in both))
+    faint = fr.VibrationTool(amplitude, frequency, tool.above_end, second=(1e-3, other[1]))
+    one, two = (TUBING.reach(LEVEL, 0.3, tool=replace(faint, second=s), depth=[400.0]) for s in (None, faint.second))
+    assert two.growth_error is not None
+    off = np.abs(two.growth_free - one.growth_free)
+    assert (off <= two.growth_error + 3e-3 * one.growth_free + 1e-6).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_growth_at_a_depth_is_that_of_a_long_integration(seed: int) -> None:
+    from tests.rod.answers.test_growth_of_two_sines import integrated
+
+    rng = np.random.default_rng([62, seed])
+    tool = drawn_tool(400 + seed)
+    found = TUBING.reach(WELL, 0.3, tool=tool, depth=[3000.0])
+    along = found.along
+    assert found.growth_error is not None
+    assert along.second_vibration is not None
+    (_, slow), (_, fast) = independent_sines(tool)
+    k = int(rng.choice(np.flatnonzero(found.growth_free > 0.3 * found.growth_free.max())))
+    place = WellGeometry.at(WELL.arcs.at(along.depth[k : k + 1])), along.force[k : k + 1]
+    sizes = np.array([along.vibration - along.second_vibration, along.second_vibration])[:, k : k + 1]
+    expected = integrated(math.pi / found.half_wave[k], place, sizes, fast / slow, 0.0, slow=slow)
+    assert found.growth_free[k] == pytest.approx(expected, abs=5e-3 + found.growth_error[k])
+
+
+@pytest.mark.slow
+def test_a_strong_tool_makes_waves_grow_where_friction_leaves_them() -> None:
+    tool = fr.VibrationTool("5kN", "18Hz", "30m", second=("20kN", "29Hz"))
+    found = TUBING.reach(LEVEL, 0.3, tool=tool, depth=[400.0])
+    grows = found.growth > 0.0
+    assert grows.any()
+    assert (found.growth < found.growth_free)[grows].all()
+    assert (found.speed_to_grow[grows] <= found.sliding).all()
+    assert "lateral waves grow from" in dict(found.report().lines)["waves"]
+    found.plot()
+
+
+@pytest.mark.slow
+def test_frequencies_far_apart_along_a_long_string_are_not_examined(monkeypatch: pytest.MonkeyPatch) -> None:
+    from floquetrod.rod.answers import string_reach
+
+    monkeypatch.setattr(string_reach, "MOST_PLACES", 50.0)
+    tool = fr.VibrationTool("5kN", "18Hz", "30m", second=("3kN", "29Hz"))
+    found = TUBING.reach(LEVEL, 0.3, tool=tool, depth=[400.0])
     assert np.isnan(found.growth).all()
+    assert np.isnan(found.growth_error).all()
+    assert dict(found.report().lines)["waves"].startswith("not examined: ")
     assert json.loads(json.dumps(found.as_dict(), allow_nan=False))["growth_per_s"][0] is None
     found.plot()
 
@@ -274,6 +347,11 @@ def test_the_doors_agree(seed: int, tmp_path: Path) -> None:
         assert cli.main([*words, "--json"]) == 0
     answer = json.loads(said.getvalue())
     assert answer["reach_with_tool_m"] == pytest.approx(found.reach_shaken, rel=1e-9)
+    for name, values in (
+        ("growth_without_friction_per_s", found.growth_free),
+        ("growth_error_per_s", found.growth_error),
+    ):
+        np.testing.assert_allclose(answer[name], values, rtol=1e-6, atol=1e-9)
     assert answer["tool"]["second"] == pytest.approx([second, faster], rel=1e-12)
 
 

@@ -83,7 +83,7 @@ def _rates(
 
     pipe = StringProperties(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
     held = pipe.lying(force, place) / pipe.clearance
-    slope = _slope(pipe, place, force) / pipe.clearance
+    slope = contact_slope(pipe, place, force) / pipe.clearance
     frequency = np.broadcast_to(frequency, force.shape)
     scale = rod.mass_per_length * frequency**2
     squares = _squares(pipe.rigidity, (force, held, slope, amplitude), scale, close, wide)
@@ -102,7 +102,7 @@ def _rates(
     return rates, squares
 
 
-def _slope(pipe: StringProperties, place: WellGeometry, force: Floats) -> Floats:
+def contact_slope(pipe: StringProperties, place: WellGeometry, force: Floats) -> Floats:
     """Return the change of the contact force with the compression, in 1/m."""
     bent, side = pipe.weight * place.sine + force * place.kappa_n, force * place.kappa_b
     contact = np.hypot(bent, side)
@@ -121,17 +121,17 @@ def _squares(rigidity: float, at: tuple[Floats, ...], scale: Floats, close: tupl
     for order, shares in enumerate(close, start=1):
         middle = (0.5 * order) ** 2
         for sign in (1.0, -1.0):
-            centre = _resonant(rigidity, force, held, middle * scale, sign)
+            centre = resonant_squares(rigidity, force, held, middle * scale, sign)
             alpha = np.abs(amplitude * (centre - slope) / scale)
             width = np.minimum(alpha**order, 0.9 * middle)
             shifted = (middle + shares * width[:, None]) * scale[:, None]
-            squares.append(_resonant(rigidity, force[:, None], held[:, None], shifted, sign))
-    top = _resonant(rigidity, force, held, scale, 1.0)
+            squares.append(resonant_squares(rigidity, force[:, None], held[:, None], shifted, sign))
+    top = resonant_squares(rigidity, force, held, scale, 1.0)
     squares.append((wide * np.sqrt(top)[:, None]) ** 2)
     return np.concatenate(squares, axis=1)
 
 
-def _resonant(rigidity: float, force: Floats, held: Floats, inertia: Any, sign: float) -> Floats:
+def resonant_squares(rigidity: float, force: Floats, held: Floats, inertia: Any, sign: float) -> Floats:
     """Return the squares k^2 of waves whose stiffness E I k^4 - F k^2 + N / R is ``inertia``; some square for none."""
     under = np.maximum(force**2 - 4.0 * rigidity * (held - inertia), 0.0)
     smallest = 1e-3 * np.sqrt((np.abs(held) + np.abs(inertia)) / rigidity)

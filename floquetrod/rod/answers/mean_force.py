@@ -90,6 +90,10 @@ class MeanForce(Printed, ByContent):
         that above it.
     section : ndarray of int (n,) or None
         Number of the section at each depth, from the upper end of the string; None for a string of one section.
+    second_speed : ndarray (n,) or None
+        Share of ``speed`` in m/s of the faster of a tool's two frequencies; None with one frequency.
+    second_vibration : ndarray (n,) or None
+        Its share of ``vibration`` in N.
     """
 
     depth: Floats
@@ -107,6 +111,8 @@ class MeanForce(Printed, ByContent):
     wellhead: float = 0.0
     end_contact: float = 0.0
     section: NDArray[np.intp] | None = None
+    second_speed: Floats | None = None
+    second_vibration: Floats | None = None
 
     @property
     def at_top(self) -> float:
@@ -154,14 +160,17 @@ class MeanForce(Printed, ByContent):
         return Report(self._in_words, lines, assumptions=ASSUMED)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers for JSON, units in the keys; ``section`` of a string of several.
+        """Return everything as numbers for JSON, units in the keys.
+
+        ``section`` is that of a string of several, and the second wave that of a tool of two frequencies.
 
         Returns
         -------
         dict of str
             Numbers and lists by name.
         """
-        return super().as_dict() | ({} if self.section is None else by_keys(self, "section"))
+        second = {} if self.second_speed is None else by_keys(self, "second_speed_m_per_s second_vibration_N")
+        return super().as_dict() | ({} if self.section is None else by_keys(self, "section")) | second
 
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
     _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N end_contact_N"
@@ -319,7 +328,8 @@ def _along(
     # infinite where the string is locked up: contact forces are computed with F = 0 there, and replaced by infinity.
     there = np.isfinite(strings_run.y[:, k])
     depth, y = strings_run.depth[there], strings_run.y[there, k]
-    speed, vibration, left = strings_run.wave[:, there, k]
+    speed, vibration, left, *second = strings_run.wave[:, there, k]
+    has_second = drag.shaking is not None and drag.shaking.second is not None
     force, positions = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))
     finite_force, string = np.where(np.isfinite(force), force, 0.0), drag.at(depth, np.asarray(bottom))
     lying = string.pipe.lying(finite_force, positions)
@@ -341,6 +351,8 @@ def _along(
         wellhead=wellhead,
         end_contact=float(drag.at(np.asarray(bottom), np.asarray(bottom)).end_contact),
         section=numbers_along(drag, depth, bottom),
+        second_speed=second[0] if has_second else None,
+        second_vibration=second[1] if has_second else None,
     )
 
 

@@ -29,6 +29,7 @@ from floquetrod.rod.answers.assembly import (
     weakness,
 )
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
+from floquetrod.rod.answers.growth_of_two_sines import MOST_PLACES, growth_of_two_sines
 from floquetrod.rod.answers.mean_force import (
     ASSUMED,
     MeanForce,
@@ -68,6 +69,7 @@ from floquetrod.wells.path import WellPath
 _DEPTHS = 100  # where none are asked for
 _ERROR = 5e-4  # of a reach with a tool, measured
 _FEW = 3  # lengths of a string that are listed one by one (a choice)
+_SAID = 5e-3  # error over the growth, from which words have it: they have three digits
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FIFTHS = 5  # of a depth still unknown, tried at once (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
@@ -156,16 +158,20 @@ class Reach(units.InUnits, Printed, ByContent):
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
-        NaN, as the three that follow, with a tool of two frequencies, under which it is not computed: fastest growth in
-        1/s there of a lateral wave caused by the vibration, whose velocity is that at which the
+        Fastest growth in 1/s there of a lateral wave caused by the vibration, whose velocity is that at which the
         string slides, with the rod's damping rate and the friction of a sliding string.  0 where no wave grows, and
-        where the mean force has buckled the string.
+        where the mean force has buckled the string.  NaN, as the four that follow, with a tool of two frequencies
+        so far apart, in so long a string, that it would take minutes.
     growth_free : ndarray
         The same without lateral friction.
+    growth_error : ndarray or None
+        Estimated error of both in 1/s with a tool of two frequencies: of the periodic approximants and of the search
+        among waves, not of the mean force, the friction and the vibration.  None with one frequency.
     half_wave : ndarray
         Half wave in m that grows fastest, 0 where none grows even without friction.
     speed_to_grow : ndarray
-        Lateral velocity in m/s above which a wave grows there against friction; infinite where none does.
+        Lateral velocity in m/s above which a wave grows there against friction; infinite where none does.  With two
+        frequencies above which one may, by ``growth_free`` and its error.
     frequencies : ndarray
         Frequencies of the tool in rad/s that were examined; none of a tool of two.
     frequency_depth : ndarray
@@ -208,6 +214,7 @@ class Reach(units.InUnits, Printed, ByContent):
     sliding: float
     growth: Floats
     growth_free: Floats
+    growth_error: Floats | None
     half_wave: Floats
     speed_to_grow: Floats
     frequencies: Floats
@@ -516,7 +523,7 @@ class Reach(units.InUnits, Printed, ByContent):
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
             f"which damps a lateral wave less if it moves faster: here {speed.show(self.sliding, 3)}"
         )
-        more = () if self.tool is None else (local,) if self._has_one_frequency else (_FREE_PHASES,)
+        more = () if self.tool is None else (local,) if self._has_one_frequency else (_FREE_PHASES, local)
         pressed = "equal pressures" if self.wellhead.pressure_inside is None else "fluids at rest"
         return (*ASSUMED, *more, f"linear elasticity, beyond yield too; stress with {pressed} inside and outside")
 
@@ -537,15 +544,20 @@ class Reach(units.InUnits, Printed, ByContent):
         return f"{tool}the force vibrates by at most {most}, and friction falls to {smallest:.3g} at least"
 
     def _growth_in_words(self, shown: AnswerUnits) -> str:
-        if not self._has_one_frequency:
-            return "not examined: growth under a tool of two frequencies is not computed; ask with each of them alone"
+        if np.isnan(self.growth).any():
+            return "not examined: with frequencies so far apart, in so long a string, it would take minutes"
         grows, unit = self.growth > _GROWS, shown.length
+        error = np.zeros(self.growth.size) if self.growth_error is None else self.growth_error
         if not grows.any():
+            may = (error > _GROWS) & (self.speed_to_grow <= self.sliding)
+            if may.any():
+                return f"no lateral wave is seen to grow; growth of up to {error[may].max():.2g} 1/s is not excluded"
             return f"no lateral wave grows; {self._held_in_words(shown)}"
         k = int(np.argmax(self.growth))
+        rate = f"{self.growth[k]:.3g}{f' +- {error[k]:.1g}' if error[k] > _SAID * self.growth[k] else ''}"
         return (
             f"lateral waves grow {_in_few_words(self.along.depth, grows, unit)}, fastest at "
-            f"{far(self.along.depth[k], unit)} {unit.name}{self._section_in_words(k)}: {self.growth[k]:.3g} 1/s in "
+            f"{far(self.along.depth[k], unit)} {unit.name}{self._section_in_words(k)}: {rate} 1/s in "
             f"half waves of {unit.show(self.half_wave[k], 3)}"
         )
 
@@ -646,7 +658,7 @@ class Reach(units.InUnits, Printed, ByContent):
             **by_keys(
                 self,
                 "tool along amplitude_N axial_stress_Pa bending_stress_Pa largest_stress_Pa stress growth_per_s "
-                "growth_without_friction_per_s=growth_free half_wave_m speed_to_grow_m_per_s "
+                "growth_without_friction_per_s=growth_free growth_error_per_s half_wave_m speed_to_grow_m_per_s "
                 "weight_N_per_m=weight_per_length fluids_kg_per_m3=fluids sliding_m_per_s "
                 "frequencies_rad_per_s frequency_depth_m "
                 "reach_by_frequency_m=reach_at_frequencies "
@@ -864,6 +876,7 @@ def reach(
         sliding=sliding,
         growth=lateral.net,
         growth_free=lateral.free,
+        growth_error=lateral.error,
         half_wave=lateral.half_wave,
         speed_to_grow=lateral.least_speed,
         frequencies=other_frequencies.frequency,
@@ -912,25 +925,40 @@ class _GrowthAlong(NamedTuple):
     free: Floats
     half_wave: Floats
     least_speed: Floats
+    error: Floats | None
 
 
 def _growth_with_tool(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _GrowthAlong:
     """Return the growth of lateral waves along a string with a tool."""
-    size = along.depth.size
-    if drag.shaking is not None and drag.shaking.second is not None:
-        return _GrowthAlong(*np.full((4, size), math.nan))
-    none = np.zeros((3, size))
-    growth = _GrowthAlong(none[0], none[1], none[2], np.full(size, math.inf))
+    size, second = along.depth.size, along.second_vibration
+    net, free, half_wave, error = np.zeros((4, size))
+    growth = _GrowthAlong(net, free, half_wave, np.full(size, math.inf), None if second is None else error)
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (along.vibration > 0.0))
     if tool is None or drag.shaking is None or not chosen.size:
         return growth
-    places, frequency = _Places.of(rod, drag, along, chosen), drag.shaking.frequency
+    places, (frequency, *others) = _Places.of(rod, drag, along, chosen), (each for _, each in drag.shaking.sines)
+    if others and chosen.size * others[0] > MOST_PLACES * frequency:
+        return _GrowthAlong(*np.full((5, size), math.nan))
     for part, there in StringCells.of(rod, places.cell).groups():
         at, i = places.some(there), chosen[there]
-        growth.free[i], growth.half_wave[i] = growth_along(part, at.place, at.force, at.vibration, frequency)
-    growth.net[chosen] = np.maximum(growth.free[chosen] - places.lost, 0.0)
-    growth.least_speed[chosen] = least_speed(growth.free[chosen], places.pressed, drag.shaking.speed, places.speed)
+        if second is None:
+            free[i], half_wave[i] = growth_along(part, at.place, at.force, at.vibration, frequency)
+        else:
+            amplitudes = at.vibration - second[i], second[i]
+            found = growth_of_two_sines(part, at.place, at.force, amplitudes, (frequency, others[0]))
+            free[i], half_wave[i], error[i] = found
+    net[chosen] = np.maximum(free[chosen] - places.lost, 0.0)
+    speeds = _speeds(along, chosen)
+    growth.least_speed[chosen] = least_speed((free + error)[chosen], places.pressed, drag.shaking.speed, *speeds)
     return growth
+
+
+def _speeds(along: MeanForce, chosen: NDArray[np.intp]) -> tuple[Floats, Floats | None]:
+    """Return the amplitudes of the axial velocity at some places, of the second wave None without."""
+    if along.second_speed is None:
+        return along.speed[chosen], None
+    second = along.second_speed[chosen]
+    return along.speed[chosen] - second, second
 
 
 class _Places(NamedTuple):
@@ -938,7 +966,6 @@ class _Places(NamedTuple):
 
     place: WellGeometry
     force: Floats
-    speed: Floats
     vibration: Floats
     pressed: Floats
     lost: Floats
@@ -947,14 +974,15 @@ class _Places(NamedTuple):
     @classmethod
     def of(cls, rod: RodData, drag: Drag, along: MeanForce, chosen: NDArray[np.intp]) -> _Places:
         """Return some places of a string that slides; mu N is over its mass per length, in m/s^2."""
-        depth, speed = along.depth[chosen], along.speed[chosen]
+        depth = along.depth[chosen]
         cells = StringCells.at(rod, drag.assembly, depth, along.depth[-1])
         contact = np.minimum(along.contact[chosen], MOST_PRESSED * cells.column("weight_per_length"))
         pressed = drag.friction.at(depth) * contact / cells.column("mass_per_length")
         sliding = 0.0 if drag.shaking is None else drag.shaking.speed
-        lost = damping_across(pressed, sliding, speed, np.full(chosen.size, sliding))
+        speed, other = _speeds(along, chosen)
+        lost = damping_across(pressed, sliding, speed, np.full(chosen.size, sliding), other)
         place = WellGeometry.at(drag.path.arcs.at(depth))
-        return cls(place, along.force[chosen], speed, along.vibration[chosen], pressed, lost, cells.codes)
+        return cls(place, along.force[chosen], along.vibration[chosen], pressed, lost, cells.codes)
 
     def some(self, i: Any) -> _Places:
         """Return the places ``i``."""

@@ -51,3 +51,21 @@ def test_from_the_least_speed_on_waves_grow() -> None:
     for factor, grows in ((0.999, False), (1.001, True)):
         lost = damping_across(pressed[:2], SLIDING, shaking[:2], factor * least[:2])
         assert ((rate[:2] > lost) == grows).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_of_two_frequencies_it_is_the_mean_over_a_long_time(seed: int) -> None:
+    """Of 1 / hypot, where the velocity along and that across are about as large, and either frequency first."""
+    rng = np.random.default_rng([84, seed])
+    one, other, across = 10.0 ** rng.uniform(-2.0, 0.0, (3, 1))
+    time = 0.6180339887 * np.arange(400_000)
+    along = SLIDING + one * np.cos(time) + other * np.cos(math.sqrt(2.0) * time + 1.0)
+    expected = 0.5 * np.mean(1.0 / np.hypot(along, 0.25 * math.pi * across))
+    found = damping_across(np.ones(1), SLIDING, one, across, other)
+    assert found == pytest.approx(expected, rel=2e-3)
+    assert found == damping_across(np.ones(1), SLIDING, other, across, one)
+    alone = damping_across(np.ones(1), SLIDING, one, across)
+    assert damping_across(np.ones(1), SLIDING, one, across, np.zeros(1)) == pytest.approx(alone, rel=1e-9)
+    rate = 0.7 * found
+    least = least_speed(rate, np.ones(1), SLIDING, one, other)
+    assert damping_across(np.ones(1), SLIDING, one, least, other) == pytest.approx(rate, rel=1e-9)
