@@ -48,6 +48,8 @@ def mapped(
         return values
     if is_one(values):
         return convert(name, values)
+    if isinstance(values, str):  # an entry of an array of texts, itself like an array without axes
+        return values
     if isinstance(values, list | tuple):
         if depth > _DEEPEST or {*map(type, values)} <= _PLAIN:
             return values

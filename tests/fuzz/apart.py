@@ -36,7 +36,9 @@ def start(work: Callable[[], Any]) -> tuple[int, int]:
         except BaseException as error:
             answer = False, f"{type(error).__name__}: {error} {traceback.format_exc(limit=-2)!r}"
         with io.FileIO(writer, "w") as pipe:  # not os.fdopen, which may be what is broken on purpose
-            pipe.write(pickle.dumps(answer))
+            rest = memoryview(pickle.dumps(answer))
+            while rest:  # a process stopped and continued may have written a part
+                rest = rest[pipe.write(rest) :]
     finally:
         sys.stdout = sys.stderr = None  # what the parent has buffered is not the child's to print
         os._exit(0)
@@ -57,7 +59,7 @@ def finish(process: int, reader: int) -> tuple[bool, Any]:
     with os.fdopen(reader, "rb") as pipe:
         data = pipe.read()
     _, status = os.waitpid(process, 0)
-    if not data:
+    if status or not data:  # one that was killed may have written a part
         return False, f"ended with status {status}"
     done, answer = pickle.loads(data)
     return bool(done), answer

@@ -118,8 +118,12 @@ def sound(result: Any) -> list[str]:
         lengths = {len(getattr(result, n)) for n in ("exponents", "exponent_errors", "krein_signs", "multipliers")}
         if lengths != {count}:
             lines.append(f"has {lengths} exponents, of {count}")
-        if any(map(np.isnan, (*result.exponents, *result.exponent_errors, result.growth_rate, result.error))):
-            lines.append("NaN among exponents, their errors and growth")
+        pairs = list(zip(result.exponents, result.exponent_errors, strict=True))
+        known = [number for pair in pairs if pair[1] != math.inf for number in pair]  # others are NaN, below a bound
+        if any(map(np.isnan, (*known, result.growth_rate, result.error))):
+            lines.append("NaN among known exponents, their errors and growth")
+        if 2 * len(pairs) > len(known) and not math.isfinite(result.unknown_below):
+            lines.append("unknown exponents without a bound")
     if result.status == "unstable" and not result.growth_rate >= 0.0:
         lines.append(f"unstable, growth {result.growth_rate!r}")
     return lines
@@ -187,8 +191,9 @@ def _batch(system: System, result: Any, rng: np.random.Generator) -> list[str]:
         doubt = 2.0 * max(result.error, _NONE) / result.period
         if result.status != "undecided" and not abs(rate / speed - result.growth_rate) <= doubt:
             lines.append(f"{name}, in a batch the growth is {rate!r}, stability has {result.growth_rate!r}")
-    if not np.isfinite(multipliers).all():
-        lines.append("multipliers of a batch are not finite")
+    lost = np.isnan(multipliers)  # in the rounding of the largest one: the last ones
+    if np.isinf(multipliers).any() or lost[..., 0].any() or (lost[..., :-1] & ~lost[..., 1:]).any():
+        lines.append("multipliers of a batch are not finite, or unknown before known ones")
     return lines
 
 

@@ -834,3 +834,9 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         }
         covered = {name for other, given in CALLS if other == call for name in given}
         assert names <= covered, f"{named(call)}: {sorted(names - covered)} not in the table"
+
+
+@pytest.mark.parametrize("texts", [np.array("0.3"), np.array(["0.3"]), np.array([["0.3"]])])
+def test_an_array_of_texts_without_a_unit_is_refused(texts: Any) -> None:
+    with pytest.raises(TypeError, match=r"alpha.* must be a real number"):
+        fr.mathieu.is_stable(texts, 0.1)
