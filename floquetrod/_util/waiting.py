@@ -79,6 +79,11 @@ class Waiting:
         return self._last is not None and self._last[0] == self._last[1]
 
     @property
+    def counted_now(self) -> int:
+        """Number of things done since it was entered, without those that were done before."""
+        return 0 if self._first is None or self._last is None else self._last[0] - self._first[1] + 1
+
+    @property
     def rate(self) -> float:
         """Number done in a second; zero while it is not known, in the first second counted."""
         if self._first is None or self._last is None:

@@ -122,6 +122,7 @@ def _ensemble(options: argparse.Namespace) -> Output:
         "done": summary.done,
         "failed": summary.failed,
         "pending": summary.pending,
+        "made_now": progress.counted_now,
         "complete": complete,
         "buckled": summary.buckled,
         "outcomes": summary.outcomes,
@@ -237,6 +238,9 @@ def _report(summary: Overview, record: dict[str, Any], study: fr.Study, options:
         f"{summary.done:,} of {summary.total:,} runs done, {summary.failed:,} failed, {summary.pending:,} pending"
     )
     yield headline if record["complete"] else f"INTERRUPTED: {headline}"
+    stored = summary.done + summary.failed - record["made_now"]
+    if options.store is not None and stored > 0:
+        yield f"{stored:,} of {summary.total:,} runs were in the store before; {record['made_now']:,} were made now"
     yield ""
     if summary.done:
         yield f"buckled   {summary.buckled:,} of {summary.done:,}{_others(summary)}"

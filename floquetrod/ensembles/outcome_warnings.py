@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.shares import RANDOM
 from floquetrod.ensembles.tasks import coarseness, spread
 from floquetrod.ensembles.variables import DONE
 from floquetrod.ensembles.varied_axes import varied
@@ -21,7 +23,7 @@ _OF_A_PROBLEM = ("kick", "seed", "duration", "time_step", "frames", "segments", 
 
 
 class OutcomeWarning(UserWarning):
-    """Simulated rods may end otherwise in longer runs, or should not have buckled by theory."""
+    """Simulated rods may end otherwise in longer runs, are all alike, or should not have buckled by theory."""
 
 
 def counted(runs: Runs) -> dict[str, int]:
@@ -38,11 +40,49 @@ def doubts(runs: Runs) -> list[str]:
     for kind, count in counted(runs).items():
         if count and (doubt := Outcome(kind, 0.0).doubt):
             sentences.append(f"{count:,} {'run' if count == 1 else 'runs'} counted as not buckled, {doubt}")
-    sentences += _too_coarse(runs)
+    sentences += _too_coarse(runs) + _identical(runs)
     count = _buckled_under_stable_loads(runs)
     return (
         [*sentences, f"{count:,} {'run' if count == 1 else 'runs'} buckled, but {STABLE_LOAD}"] if count else sentences
     )
+
+
+def fixed_starts(runs: Runs) -> list[str]:
+    """Return a sentence where neither the seed nor a distribution varies, or where all runs start with one seed."""
+    if not any(dim in RANDOM for dim in runs.variables["status"].dims):
+        return ["neither a seed nor a distribution varies: each combination of the values is one run, without a share"]
+    if "problem" not in runs.attrs or "seed" in runs.coords:
+        return []
+    if not SimulationProblem.from_dict(json.loads(runs.attrs["problem"])).perturbation.noises:
+        return []
+    return ["no seed varies: all runs start with the same random speeds, and the shares hold for these speeds alone"]
+
+
+def _identical(runs: Runs) -> list[str]:
+    """Return a sentence where all runs of a cell moved alike, so that they count as one and the interval is too narrow.
+
+    Cells are the combinations of chosen values.  Runs of different starts have different largest angles.
+    """
+    dims = runs.variables["status"].dims
+    drawn = [place for place, dim in enumerate(dims) if dim in RANDOM]
+    if not drawn or "largest_angle" not in runs.variables:
+        return []
+
+    def by_cell(name: str) -> Any:
+        values = np.moveaxis(runs[name], drawn, range(-len(drawn), 0))
+        return values.reshape(-1, int(np.prod(values.shape[-len(drawn) :])))
+
+    done, angle = by_cell("status") == DONE, by_cell("largest_angle")
+    least, largest = (np.where(done, angle, end) for end in (np.inf, -np.inf))
+    several = done.sum(axis=1) > 1
+    alike = several & (least.min(axis=1) == largest.max(axis=1))
+    if not alike.any():
+        return []
+    where = "" if alike.all() else f" in {alike.sum():,} of {len(alike):,} cells"
+    return [
+        f"all runs of a cell are identical{where}: they count as one run, so that the interval is too narrow; vary the "
+        "seed of a random start, or draw values from a distribution"
+    ]
 
 
 def _too_coarse(runs: Runs) -> list[str]:

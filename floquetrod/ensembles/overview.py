@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.result_report import number
-from floquetrod.ensembles.outcome_warnings import counted, doubts
+from floquetrod.ensembles.outcome_warnings import counted, doubts, fixed_starts
 from floquetrod.ensembles.runs import Runs, require_runs
 from floquetrod.ensembles.shares import RANDOM, probability_of
 from floquetrod.ensembles.variables import DONE, FAILED, PENDING
@@ -44,7 +44,7 @@ class Overview(NamedTuple):
     def of(cls, result: Any, confidence: float) -> Overview:
         """Return it from what `floquetrod.ensemble` returned."""
         if not isinstance(result, Runs):
-            names = ["status", "reason", "buckled", "outcome", "angle_in_the_end", "wall_time"]
+            names = ["status", "reason", "buckled", "outcome", "angle_in_the_end", "largest_angle", "wall_time"]
             result = result[names]  # frames stay where they are
         runs = require_runs("runs", result)
         status = runs["status"]
@@ -61,7 +61,7 @@ class Overview(NamedTuple):
             buckled,
             counted(runs),
             (float(rest.min()), float(rest.max())) if rest.size else None,
-            doubts(runs),
+            [*doubts(runs), *fixed_starts(runs)],
             _counted(runs["reason"][status == FAILED]),
             rows,
             runs.units,

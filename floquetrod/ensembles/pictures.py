@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod.ensembles.shares import RANDOM, chosen_quantities, runs_over, share_over, shares_along
+from floquetrod.ensembles.shares import RANDOM, chosen_quantities, overall, runs_over, share_over, shares_along
 from floquetrod.ensembles.variables import DONE
 from floquetrod.units import Unit
 
@@ -25,31 +25,32 @@ def draw(
 
     The share of runs over both quantities where two are chosen, and its probability over each where runs are drawn.
     Every run over the two quantities of ``over``, or over two that are drawn.  Over one chosen quantity without drawn
-    runs it shows each run.  ValueError where there is nothing of this.
+    runs it shows each run.  The title has the share of all runs.  ValueError where there is nothing of this.
     """
     from floquetrod.plotting import ensemble_plot
     from floquetrod.plotting.chart_plot import figure_or_new
 
+    heading = overall(runs, result, confidence)
     plane: Any = None if over is not None else share_over(runs, result)
     draw_plane: Any = ensemble_plot.draw_share_plane
     if plane is None:
         plane, draw_plane = runs_over(runs, result, over), ensemble_plot.draw_runs
     shares = shares_along(runs, result, confidence)
     if plane is None and shares:
-        return ensemble_plot.draw_shares(shares, result, confidence, units, figure)
+        return ensemble_plot.draw_shares(shares, result, confidence, units, figure, heading)
     if plane is not None and not shares:
-        return draw_plane(plane, result, units, figure)
+        return draw_plane(plane, result, units, figure, heading)
     if plane is not None:
         figure = figure_or_new(figure, (7.2, _PLANE + _PANEL * len(shares)))
         above, below = figure.subfigures(2, 1, height_ratios=[_PLANE, _PANEL * len(shares)])
-        draw_plane(plane, result, units, above)
+        draw_plane(plane, result, units, above, heading)
         ensemble_plot.draw_shares(shares, result, confidence, units, below)
         return figure
     require_drawable(list(chosen_quantities(runs)), is_drawn=False)
     (name,) = chosen_quantities(runs)
     done = runs["status"].ravel() == DONE
     values, results = runs[name].astype(float)[done], runs[result].ravel()[done] == 1
-    return ensemble_plot.draw_results(name, runs.units[name], values, results, result, units, figure)
+    return ensemble_plot.draw_results(name, runs.units[name], values, results, result, units, figure, heading)
 
 
 def require_drawable(chosen: list[str], *, is_drawn: bool) -> None:

@@ -76,6 +76,19 @@ def shares_along(runs: Any, name: str, confidence: Any) -> list[ShareAlong]:
     return found
 
 
+def overall(runs: Any, name: str, confidence: float) -> str:
+    """Return the share of all runs with a result in words, with its interval where runs are drawn."""
+    dims, done = runs.variables["status"].dims, runs["status"] == DONE
+    words = f"{name}: {int((done & (runs[name] == 1)).sum()):,} of {int(done.sum()):,} runs"
+    if not any(dim in RANDOM for dim in dims) or not done.any():
+        return words
+    found = probability_of(runs, name, dims, confidence)
+    share, lower, upper = (float(found[end]) for end in ("probability", "lower", "upper"))
+    chosen = [quantity.replace("_", " ") for quantity in chosen_quantities(runs)]
+    kind = f"mean over {', '.join(chosen)}" if chosen else "probability"
+    return f"{words}; {kind} {share:.3f}, {100.0 * confidence:g} % interval {lower:.3f} to {upper:.3f}"
+
+
 class SharePlane(NamedTuple):
     """The share of runs with a result over two chosen quantities in their SI units, NaN where none is done.
 

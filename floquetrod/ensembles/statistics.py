@@ -38,8 +38,8 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     Warns
     -----
     OutcomeWarning
-        For ``buckled``, where runs were still moving beyond 5 degrees at their end and did not count as buckled, and
-        where some buckled under a load that theory calls stable.
+        For ``buckled``, where runs were still moving beyond 5 degrees at their end and did not count as buckled,
+        where all runs of a cell are identical, and where some buckled under a load that theory calls stable.
 
     Notes
     -----

@@ -17,7 +17,7 @@ from floquetrod.parameter import unknown
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.rod.loads.load import LOAD
 from floquetrod.rod.loads.tool import NUMBERS_OF_TOOL
-from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD, warn_of_friction
 from floquetrod.simulation.simulation_problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
@@ -219,6 +219,8 @@ def design_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, 
     drawn = {name: value for name, value in over.items() if name not in given}
     count = _samples(samples, drawn, given if layout == "list" else {})
     given |= {name: _whole(problem, name, values) for name, values in _draw(drawn, count, seed)}
+    if "friction" in drawn:  # values drawn are not checked one by one: a median as it would be typed stands for them
+        warn_of_friction(float(f"{np.median(given['friction']):.2g}"))
     if layout == "list":
         lengths = {name: values.size for name, values in given.items()}
         if len(set(lengths.values())) > 1:

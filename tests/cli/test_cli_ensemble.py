@@ -156,6 +156,29 @@ def test_tells_how_probable_buckling_is(tmp_path: Path, capsys: pytest.CaptureFi
     assert re.search(r"\ncost +[\d.e-]+ s; all 6 runs done took \d+ seconds, one after the other\n", "\n".join(lines))
 
 
+def test_runs_that_cannot_differ_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    still = answer(capsys, written(tmp_path, over='kick = ["0mm/s", "10mm/s"]\nseed = [1, 2, 3]'))
+    (note,) = (note for note in still["notes"] if "identical" in note)
+    assert note.startswith("all runs of a cell are identical in 1 of 2 cells: they count as one run")
+    alike = answer(capsys, written(tmp_path, over='kick = ["10mm/s"]\nseed = [1, 1]'))
+    assert any(note.startswith("all runs of a cell are identical: they") for note in alike["notes"])
+    drawn = 'friction = {distribution = "uniform", low = 0.1, high = 0.2}'
+    fixed = answer(capsys, written(tmp_path, over=drawn, ensemble="samples = 2"))
+    assert any(note.startswith("no seed varies: all runs start with the same random speeds") for note in fixed["notes"])
+    chosen = answer(capsys, written(tmp_path, over='kick = ["10mm/s", "20mm/s"]'))
+    assert any(note.startswith("neither a seed nor a distribution varies") for note in chosen["notes"])
+    varied = answer(capsys, written(tmp_path))
+    assert not any("identical" in note or "vari" in note for note in varied["notes"])
+
+
+def test_friction_drawn_in_per_cent_is_suspected(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    drawn = 'friction = {{distribution = "uniform", low = {}, high = {}}}'
+    for low, high, is_suspected in ((10, 20, True), (0.1, 0.2, False)):
+        path = written(tmp_path, over=drawn.format(low, high), ensemble="samples = 2")
+        assert cli.main(["ensemble", path]) == 0
+        assert ("was it in per cent?" in capsys.readouterr().err) == is_suspected
+
+
 def test_json_says_what_the_library_finds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = answer(capsys, written(tmp_path), "--confidence", "0.8")
     study = fr.Study.from_toml(tmp_path / "study.toml")
@@ -249,6 +272,9 @@ def test_a_store_is_continued_as_in_python(tmp_path: Path, capsys: pytest.Captur
     assert answer(capsys, path, "--store", store)["done"] == answer(capsys, path, "--store", store, "--resume")["done"]
     again = answer(capsys, path, "--store", store)
     assert again["rows"] == first["rows"]
+    assert (first["made_now"], again["made_now"]) == (6, 0)
+    assert cli.main(["ensemble", path, "--store", store]) == 0
+    assert "\n6 of 6 runs were in the store before; 0 were made now\n" in capsys.readouterr().out
     other = written(tmp_path, start='random = "2mm/s"')
     assert "another" in refused(capsys, other, "--store", store, "--resume")
 

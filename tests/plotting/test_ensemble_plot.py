@@ -50,6 +50,14 @@ def test_a_panel_for_each_quantity_with_the_probability_that_is_computed(seed: i
     points = above.containers[0].lines[0].get_xydata()
     assert points == pytest.approx(np.column_stack([kick.value, kick.share]))
     assert "kick / (m/s)" in above.get_xlabel()
+    assert above.get_ylabel() == "buckled, share\nof runs done"
+    whole = probability(runs, over=["kick", "sample"], confidence=0.9)
+    share, lower, upper = (f"{float(whole[name]):.3f}" for name in ("probability", "lower", "upper"))
+    done = runs["status"] == 1
+    assert above.get_title() == (
+        f"buckled: {(runs['buckled'] & done).sum()} of {done.sum()} runs; mean over kick {share}, "
+        f"90 % interval {lower} to {upper}"
+    )
     pyplot.close("all")
 
 

@@ -441,6 +441,12 @@ def friction_coefficient(value: Any) -> float:
 
     number = validate.nonnegative("friction", value, "friction opposes the motion")
     validate.within("friction", number, 0.0, _LARGEST_FRICTION, "it is a coefficient such as 0.1")
+    warn_of_friction(number)
+    return number
+
+
+def warn_of_friction(number: float) -> None:
+    """Warn of a coefficient of friction that was probably meant in per cent."""
     if _ROUGHEST < number <= 100.0 * _ROUGHEST and is_typed(number):
         warnings.warn(
             Message(
@@ -452,4 +458,3 @@ def friction_coefficient(value: Any) -> float:
             PlausibilityWarning,
             stacklevel=level_of_caller(),
         )
-    return number
