@@ -660,6 +660,7 @@ class _Boundary:
         """Return where a lobe is lowest between two starts, and its error: parabolas through a third one.
 
         As in Brent's method a step of the golden section follows where a parabola narrowed the bracket by too little.
+        Where the bracket ends up as narrow as rounding, the depths at its ends bound the error.
         """
         width = math.inf
         for _ in range(_PARABOLAS):
@@ -679,7 +680,10 @@ class _Boundary:
             step = min(max(step, -0.9 * below), 0.9 * above)
             if not narrowed:
                 step = _GOLDEN * above if above > below else -_GOLDEN * below
-            start = yield _Place(middle.speed + step, (middle.depth, middle.depth), _FINE)
+            speed = middle.speed + step
+            if speed in (left.speed, middle.speed, right.speed):
+                return middle, max(left.depth, right.depth) - middle.depth
+            start = yield _Place(speed, (middle.depth, middle.depth), _FINE)
             lower = self.name(start) == self.name(middle) and start.depth < middle.depth
             if lower:
                 left, middle, right = (left, start, middle) if step < 0.0 else (middle, start, right)

@@ -289,6 +289,24 @@ def test_the_least_depth_of_a_lobe_is_searched_between_columns() -> None:
     assert cutter().critical_depth(f"{lobe.at!r}rad/s") == pytest.approx(lobe.depth, rel=1e-9)
 
 
+@pytest.mark.parametrize(("below", "above"), [(1e-6, 3e-6), (1e-5, 1e-6)])
+def test_the_search_of_a_least_depth_ends_where_speeds_are_as_close_as_rounding(below: float, above: float) -> None:
+    """Depths are known to 1e-9 only: here all but the middle one are larger by less, however near they are."""
+    boundary = stability_lobes._Boundary(cutter(), np.linspace(0.0, 1e-3, 6))
+    middle = boundary.start(615.025, 0.3159e-3)
+    left, right = (
+        middle._replace(speed=middle.speed + side, depth=middle.depth * (1.0 + 1e-10)) for side in (-below, above)
+    )
+    search, later = boundary.valley(left, middle, right), middle._replace(depth=middle.depth * (1.0 + 4e-10))
+    place, ended = next(search), None
+    while ended is None:
+        try:
+            place = search.send(later._replace(speed=place.speed))
+        except StopIteration as end:
+            ended = end.value
+    assert ended == (middle, later.depth - middle.depth)
+
+
 def variable_pitch_cutter() -> fr.Milling:
     """Return a cutter whose flip lobes are narrower than the columns of a usual chart."""
     return fr.Milling(
