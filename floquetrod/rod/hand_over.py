@@ -317,8 +317,7 @@ def _well(reach: Reach, options: _Options) -> Report:
     lines += [("greatest push", push), ("force at the lower end", shown.force.show(reach.far_force, 4))]
     if reach.yield_share is not None and reach.yield_strength is not None:
         lines.append(("largest stress", f"{100.0 * reach.yield_share:.3g} % of the yield strength"))
-    if reach.wellhead_force:
-        lines.append(("wellhead", reach.wellhead.in_words(reach.rod.section, "pushed", shown)))
+    lines += [line for line in reach.report(**options.of_reach).lines if line[0] == "wellhead"]
     if reach.tool is not None:
         lines.append(("vibration tool", reach.tool.in_words(shown)))
         lines.append(("speed of sliding", shown.speed.show(reach.sliding, 3)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import itertools
 import json
 import math
@@ -336,6 +337,12 @@ def test_the_section_at_the_wellhead_bears_its_pressure() -> None:
         reach = STRING.reach(WELL, 0.2, depth=[bottom], wellhead_pressure=pressure)
         assert reach.injector[0] == pytest.approx(along.injector, rel=1e-6)
         assert reach.wellhead_force == pytest.approx(pressure * area, rel=1e-12)
+
+
+def test_a_report_in_one_file_has_the_wellhead_of_a_string_of_several_sections(tmp_path: Path) -> None:
+    reach = STRING.reach(WELL, 0.2, depth=[2000.0], wellhead_pressure=5e6, stripper="2kN")
+    text = fr.save_report(reach, tmp_path / "reach.html").read_text()
+    assert html.escape(dict(reach.report().lines)["wellhead"]) in text
 
 
 FILE = """\
