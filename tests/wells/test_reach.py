@@ -283,6 +283,16 @@ def test_a_tool_too_weak_to_move_the_string_gains_nothing() -> None:
     assert replace(found, reach_shaken=found.reach - 100.0).gain == pytest.approx(-100.0)
 
 
+def test_gains_that_the_depths_asked_for_cut_short_say_so() -> None:
+    """At other speeds and frequencies, too: a longer search would give larger gains there."""
+    lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[3500.0]).report().lines)
+    assert lines["speed"].count(" m/s (to the deepest depth asked for)") == 2
+    assert "m at 0.2 m/s" in lines["speed"].rsplit(",", 1)[1]
+    assert re.match(r"best: [\d.]+ Hz, 3,500 m \(\+510 m\), the deepest depth asked for, ", lines["tool Hz"])
+    lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[4000.0]).report().lines)
+    assert "asked for" not in lines["speed"] + lines["tool Hz"]
+
+
 @pytest.mark.slow
 def test_what_a_tool_gains_is_told_for_three_speeds_of_sliding() -> None:
     found = TUBING.reach(WELL, 0.3, tool=TOOL, speed="0.1m/s", depth=[4000.0])

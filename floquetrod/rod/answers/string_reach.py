@@ -388,9 +388,8 @@ class Reach(units.InUnits, Printed, ByContent):
         if limit in (YIELD, PUSH):
             is_end = math.isinf(lock_up)
             farther = min(lock_up, float(self.depth[-1]))
-            ended = ", the length of the string" if farther >= deepest_of(self.rod, self.path) else ""
-            ended = ", the end of the well" if farther >= self.path.end else ended
-            beyond = f"{far(farther, shown.length)}{ended * is_end}"
+            ended = f", {self._end_at(farther)}" if is_end else ""
+            beyond = f"{far(farther, shown.length)}{ended}"
             of_section = f" of {limiting}" if limiting and limit == YIELD else ""
             why = {
                 YIELD: f", within {self._percent} of yield{of_section}; not within it: ",
@@ -403,6 +402,14 @@ class Reach(units.InUnits, Printed, ByContent):
             LENGTH: ", the length of the string",
             ASKED: ", the deepest depth asked for",
         }[limit]
+
+    def _end_at(self, depth: float) -> str:
+        """Return the name of the end of the search that a depth is at, empty above it."""
+        if depth < self.depth[-1] - 1e-9 * self.path.end:
+            return ""
+        if depth >= self.path.end:
+            return "the end of the well"
+        return "the length of the string" if depth >= deepest_of(self.rod, self.path) else "the deepest depth asked for"
 
     @property
     def _percent(self) -> str:
@@ -502,7 +509,7 @@ class Reach(units.InUnits, Printed, ByContent):
         """Return the depth gained by the tool while the string slides at its speed and at two others."""
         texts = []
         for speed, depth, gain in zip(self.speeds, self.reach_at_speeds, self.gain_at_speeds, strict=True):
-            ends = " (to the end of the well)" if depth >= self.path.end else ""
+            ends = f" (to {end})" if (end := self._end_at(depth)) else ""
             text = shown.length.show(gain, 3) if gain > 0.0 else "nothing"
             texts.append(f"{text} at {shown.speed.show(speed, 3)}{ends}")
         return f"by the speed at which the string slides, the tool gains {', '.join(texts)}"
@@ -588,10 +595,11 @@ class Reach(units.InUnits, Printed, ByContent):
             return f"{tried}, none gains {gains}"
         reach, growth = self.reach_at_frequencies, self.frequency_growth
         k, slowest = int(np.nanargmax(reach)), int(np.argmin(growth))
+        ended = f", {end}" if (end := self._end_at(float(reach[k]))) else ""
         waves = f"lateral waves of {growth[k]:.3g} 1/s{', the slowest too' if k == slowest else ''}"
         best = (
             f"best: {shown.show(every[k], 3)}, {far(reach[k], length)} {length.name} "
-            f"({far(reach[k], length, less=self.reach)} {length.name}), "
+            f"({far(reach[k], length, less=self.reach)} {length.name}){ended}, "
             f"{waves if growth[k] > _GROWS else 'without lateral waves'}"
         )
         ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
