@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from floquetrod.floquet import quasiperiodic
+from tests.conftest import JIT
 
 GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
 
@@ -363,8 +364,9 @@ def test_wrong_input_is_refused_in_one_line(arguments: dict[str, Any], words: st
 
 @pytest.mark.kernels
 def test_waves_of_one_matrix_have_the_maps_of_waves_of_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    slowed = 1.0 if JIT else 0.03  # interpreted, thousands of steps through a period take half a minute
     rng = np.random.default_rng(5)
-    shape, stiffness = (a + a.T for a in rng.normal(size=(2, 4, 4)))
+    shape, stiffness = (slowed * (a + a.T) for a in rng.normal(size=(2, 4, 4)))
     damping = 0.1 * (shape @ shape.T)
     system = fr.HillSystem(stiffness @ stiffness.T, [0.3 * shape, 0.1 * shape], [0.2 * shape], damping=damping)
     problem = fr.TwoFrequencies(system, golden := 0.5 * (1.0 + math.sqrt(5.0)), [0.25 * shape], [0.05 * shape])

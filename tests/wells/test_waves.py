@@ -74,6 +74,7 @@ def test_a_tool_that_does_not_push_changes_no_digit() -> None:
     assert one == other
 
 
+@pytest.mark.slow
 def test_along_a_long_string_it_falls_on_a_straight_line() -> None:
     """V' = (2 / pi) mu N / Z where the string slides slowly: what comes from the upper end is as slow as that."""
     path, tool = fr.WellPath.straight(length=3000.0, inclination=LEVEL), fr.VibrationTool("4kN", "18Hz")
@@ -105,7 +106,7 @@ def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
 
 
 @pytest.mark.kernels
-@pytest.mark.parametrize("second", [None, ("6kN", "29Hz")])
+@pytest.mark.parametrize("second", [None, pytest.param(("6kN", "29Hz"), marks=pytest.mark.slow)])
 def test_interpreted_and_compiled_strings_agree(second: tuple[str, str] | None) -> None:
     tool = fr.VibrationTool("20kN", "18Hz", 30.0, second=second)
     strings = [shaken_string(tool, 0.3, 1700.0, TRIED) for _ in range(2)]
