@@ -92,7 +92,10 @@ def test_sections_that_are_alike_are_one_to_the_bit() -> None:
         ({}, {}),
         ({"ends": "clamped-guided", "damping_rate": 2.0}, {"friction": 0.1}),
         ({"ends": "free-clamped", "inclination": 1.0, "fluid_outside": 1000.0}, {"friction": ((0.0, 0.1), (1.0, 0.3))}),
-        ({"path": SURVEY}, {"friction": 0.1, "tool": fr.VibrationTool(0.1, 700.0, 1.0)}),
+        # The one quick run of a string of sections in a well would compile its kernel, for ten seconds.
+        pytest.param(
+            {"path": SURVEY}, {"friction": 0.1, "tool": fr.VibrationTool(0.1, 700.0, 1.0)}, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_sections_that_differ_in_strength_alone_move_as_one(changes: Any, options: Any) -> None:
