@@ -16,7 +16,7 @@ from tests.strategies import decades, numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 QUICK = settings(max_examples=2)
-SLOW = settings(max_examples=1000, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow])
 
 
 @st.composite

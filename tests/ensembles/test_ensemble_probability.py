@@ -82,7 +82,7 @@ KINDS: dict[str, Callable[[np.random.Generator, float, int], NDArray[np.float64]
 """How probable the result is in each of n samples, p on average."""
 
 
-@depth(3000, 30)
+@depth(600, 30)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_interval_covers_what_is_true(kind: str, draws: int) -> None:
     """Of samples with seeds of their own, as the ensemble derives them; the seed of a run decides about it."""
