@@ -136,8 +136,15 @@ def test_frames_that_neither_disk_nor_memory_holds_cost_no_other_results(
 
 
 @pytest.mark.parametrize("frames", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("damage", ["gone", "empty", "flip", "another"])
-@pytest.mark.parametrize("name", list(OVER))
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        # Each of both at least once, and all of one with all of the other under `make slow`.
+        pytest.param(name, damage, marks=[pytest.mark.slow] * (i != k % len(OVER)))
+        for i, name in enumerate(OVER)
+        for k, damage in enumerate(["gone", "empty", "flip", "another"])
+    ],
+)
 def test_damaged_coordinates_are_written_again(name: str, damage: str, frames: bool, tmp_path: Path) -> None:
     place, over = tmp_path / "runs.zarr", {"frequency": [120.0], "kick": [0.01], "seed": [4]}
     whole = stored(place, over, frames=frames)

@@ -43,6 +43,7 @@ def test_drawn_systems(seed: int) -> None:
         assert np.abs(moved - exact).min() < stated
 
 
+@pytest.mark.slow
 def test_errors_of_five_equations_hold_for_the_worst_signs() -> None:
     rng = np.random.default_rng(11)
     n, size = int(rng.integers(5, 8)), 1e-6

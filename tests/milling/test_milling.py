@@ -270,6 +270,7 @@ def test_the_table_of_lobes_names_each_once_and_no_neighbours_are_one_lobe(seed:
         assert str(one) != str(other) or other.speeds[0] - one.speeds[1] > stability_lobes.edge_width(lobes.speeds)
 
 
+@pytest.mark.slow
 def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() -> None:
     lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 60)), ("0mm", "4mm", depth(60, 30)))
     wide = [lobe for lobe in lobes.lobes if lobe.depth < 1e-3]

@@ -116,7 +116,7 @@ def test_a_hundred_drawn_cutters_grow_as_a_semi_discretisation_says() -> None:
     "uneven",
     [
         {"teeth": 4, "pitch": ["70deg", "110deg", "70deg", "110deg"]},
-        {"teeth": 3, "pitch": ["100deg", "120deg", "140deg"]},
+        pytest.param({"teeth": 3, "pitch": ["100deg", "120deg", "140deg"]}, marks=pytest.mark.slow),
         {"helix": "30deg", "diameter": "12mm"},
         {"runout": ["0um", "30um"], "feed_per_tooth": "0.05mm"},
     ],

@@ -210,7 +210,7 @@ def mathieu_branch(a: float, b: float, c: float, over: tuple[float, float]) -> f
 @pytest.mark.parametrize(
     ("a", "kind", "c"),
     [
-        (0.05, "period doubling", 0.05),
+        pytest.param(0.05, "period doubling", 0.05, marks=pytest.mark.slow),
         pytest.param(0.05, "period doubling", 0.0, marks=pytest.mark.slow),
         pytest.param(0.75, "branch point", 0.05, marks=pytest.mark.slow),
         pytest.param(0.75, "branch point", 0.0, marks=pytest.mark.slow),
@@ -291,6 +291,7 @@ def points_by_both_ways(family: Drawn, share: float, longest: float) -> tuple[fl
     return by_curve, by_branch.value, errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "duffing")) for name in DRAWN])
 def test_a_point_of_a_curve_is_the_one_that_a_branch_has(name: str) -> None:
     by_curve, by_branch, errors = points_by_both_ways(DRAWN[name], 0.37, 0.3)

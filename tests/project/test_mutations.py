@@ -78,6 +78,7 @@ def test_they_are_found_again_where_code_has_moved(tree: Path) -> None:
     assert gone == {"value < 0.0 or most > 5", "most > 5", "5"}
 
 
+@pytest.mark.slow
 def test_what_imports_a_module_is_tried_first() -> None:
     mutation = Mutation("floquetrod/_util/spans.py", "runs", "number", "1", "2", (1, 0), (1, 1))
     files = likely(mutation, ROOT)

@@ -308,6 +308,7 @@ def test_one_report_whichever_command_writes_it(tmp_path: Path) -> None:
         assert all(told in page for page in pages), told
 
 
+@pytest.mark.slow
 def test_a_tapered_string_has_the_constant_forces_of_each_section(tmp_path: Path) -> None:
     sections = [fr.Section(name, length="1500m") for name in ("2.00x0.203 CT90", "2.00x0.156 CT90")]
     string = fr.Rod(sections=sections, bores=[("0m", "4.778in")])

@@ -50,7 +50,7 @@ def at_once(problem: fr.SimulationProblem, times: int) -> fr.Simulation:
 
 
 @given(problems(), st.sampled_from([2, 4]))
-@settings(max_examples=depth(100, 10))
+@settings(max_examples=depth(100, 6))
 def test_a_continued_run_is_the_longer_one_bit_for_bit(problem: fr.SimulationProblem, times: int) -> None:
     run = problem.run()
     longer = at_once(problem, times)

@@ -129,7 +129,7 @@ GRIP = 0.1
 LIMIT = GRIP * PUSHED.weight_per_length * PUSHED.length
 
 
-@pytest.mark.parametrize("segments", [20, 40, 80])
+@pytest.mark.parametrize("segments", [20, 80, pytest.param(40, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ends", ["hinged", "clamped", "guided", "free"])
 def test_a_rod_pushed_along_slides_at_the_friction_of_its_weight(ends: str, segments: int) -> None:
     """Ends carry their share of it, held across the channel or not, so no number of segments shows."""

@@ -49,7 +49,7 @@ def require_the_rest_of(longer: fr.Simulation, later: fr.Simulation) -> None:
 
 
 @given(problems(), st.sampled_from([None, TOOL]))
-@settings(max_examples=depth(100, 8))
+@settings(max_examples=depth(100, 5))
 def test_under_the_same_load_it_is_the_run_continued_bit_for_bit(
     problem: fr.SimulationProblem, tool: fr.VibrationTool | None
 ) -> None:

@@ -112,6 +112,7 @@ def test_its_stress_is_that_of_holding_it_straight() -> None:
     assert f"held straight it adds {more / 1e6:.3g} MPa of bending stress" in dict(found.report().lines)["bend"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(8, 1)))
 def test_the_terminal_and_python_agree(seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rng = np.random.default_rng([50, 11, seed])
