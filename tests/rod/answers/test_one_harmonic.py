@@ -82,7 +82,7 @@ def test_a_recorded_sine_ends_where_the_sine_does() -> None:
 @pytest.mark.slow
 def test_samples_beyond_a_margin_show_the_band_of_the_sine(rng: np.random.Generator) -> None:
     compared = thin = 0
-    while compared < 6:
+    while compared < 6 or thin < 2:  # some of the first six may all be wide
         rod, load, _ = _drawn(rng)
         verdict = rod.stability(load)
         if not verdict.stable:
@@ -91,6 +91,7 @@ def test_samples_beyond_a_margin_show_the_band_of_the_sine(rng: np.random.Genera
         if not math.isfinite(above):
             continue
         compared += 1
+        assert compared < 60
         exact = verdict.model.band_beyond(verdict, "frequency", above)
         sampled = CoupledModel(rod, load).band_beyond(verdict, "frequency", above)
         assert exact is not None
@@ -104,7 +105,6 @@ def test_samples_beyond_a_margin_show_the_band_of_the_sine(rng: np.random.Genera
             assert sampled.growth <= exact.growth * (1.0 + 1e-3), load
             assert isinstance(sampled.cause, Resonance)
             assert sampled.cause.modes == (exact.cause[0],)
-    assert thin >= 2
 
 
 def test_a_wave_says_the_growth_beyond_its_margins_and_how_narrow_a_band_it_may_miss() -> None:
