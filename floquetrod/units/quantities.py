@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from floquetrod._util.arguments import wrong_value
@@ -150,7 +151,8 @@ def quantity(
     if unit_name == "%" and whole == 0.0:
         raise wrong_value(name, f"must not be a percentage of zero, got {given}; give a number with its unit")
     if unit_name == "%" and whole is not None:
-        return _bounded(number * whole / 100.0, name, units, least, largest, given)
+        share = float(Decimal(repr(number)).scaleb(-2))  # rounded once: 26.9% is 0.269, where 26.9 / 100 is not
+        return _bounded(share * whole, name, units, least, largest, given)
     unit = meant(unit_name or next(iter(units)), units)
     if unit is None:
         raise wrong_value(

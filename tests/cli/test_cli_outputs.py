@@ -44,7 +44,7 @@ def test_answers_beside_pictures_and_along_other_quantities(tmp_path: Path, caps
     chart = said("map", "--rod", "nitinol", *over, "--points", "8x6", "--json", "--out", picture)
     assert '"points": 48' in chart
     windows = said("ranges", "--rod", "nitinol", "--mean", "0.3Fcr", "--amplitude", "0.2Fcr", "--frequency", "100:120")
-    assert windows.startswith("stable frequency")
+    assert windows.startswith("safe: nowhere from 100 to 120 rad/s")
 
 
 @dataclass(frozen=True)

@@ -41,8 +41,7 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
     files = ["--out", str(picture), "--report", str(page), "--unit", "ft,lbf"]
     assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", *files]) == 0
     text = capsys.readouterr().out
-    assert "grows" in text
-    assert "tool Hz" in text
+    assert text.startswith("Does the tool help? It is not needed: without it the string goes to 6,562 ft")
     assert "lower end lbf" in text
     assert "lower end lbf" in page.read_text(encoding="utf-8")
     assert picture.stat().st_size > 10_000
@@ -144,7 +143,7 @@ def test_depths_and_units_that_were_asked_for(
     assert cli.main([*line, "--friction", "0.3", "--depths", "4000,5000,6000ft", "--unit", "ft,lbf"]) == 0
     text = capsys.readouterr().out
     found = rod.reach(path, 0.3, depth=[4000 * foot, 5000 * foot, 6000 * foot])
-    assert "to 6000 ft, the deepest asked for" in text or f"to {found.reach / foot:.5g} ft" in text
+    assert text.startswith(f"How far does the string go? To {found.reach / foot:,.0f} ft")
     rows = [row.split() for row in text.split("lower end lbf\n")[1].splitlines()]
     assert [row[0] for row in rows] == ["4000", "5000", "6000"]
     assert [row[1] for row in rows] == [f"{each / pound:.0f}" for each in found.injector]

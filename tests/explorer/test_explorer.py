@@ -359,10 +359,11 @@ def test_the_picture_without_a_window(tmp_path: Path, capsys: pytest.CaptureFixt
     assert cli.main(["explore", "--rod", "nitinol", *load, "--out", str(path)]) == 0
     assert path.read_bytes().startswith(b"\x89PNG")
     out = capsys.readouterr().out
-    assert "mode 7 grows" in out
-    assert out.splitlines()[1].startswith("mean 0.2 Fcr (0.3392 N), amplitude 0.2 Fcr")
-    command = "floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s"
-    assert out.splitlines()[-1] == command
+    load, verdict, command, written = out.splitlines()
+    assert load.startswith("mean 0.2 Fcr (0.3392 N), amplitude 0.2 Fcr")
+    assert "mode 7 grows" in verdict
+    assert command == "floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s"
+    assert written == f"written: {path}"
     assert not pyplot.get_fignums()
 
 

@@ -135,6 +135,12 @@ def test_units_are_shown_as_they_are_written_here() -> None:
     )
 
 
+@given(st.integers(0, 10**6), st.integers(1, 9))
+def test_a_percentage_is_the_same_number_as_the_share_in_decimals(digits: int, places: int) -> None:
+    percent = f"{digits // 10**places}.{digits % 10**places:0{places}d}"
+    assert quantity(f"{percent}%", "friction", "ratio") == float(f"{percent}e-2")
+
+
 def test_a_percentage_is_one_of_what_is_known() -> None:
     assert quantity("1%", "length", "length", nominal=3.1) == pytest.approx(0.031, rel=1e-15)
     assert quantity("1%", "mean", "force", nominal=3.0, critical_force=2.0) == pytest.approx(0.03, rel=1e-15)
