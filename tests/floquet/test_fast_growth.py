@@ -58,7 +58,7 @@ def test_pressed_tubing_is_unstable_as_simple_marching_says(waveform: str | tupl
         assert found.status == "unstable"
         assert found.error < 0.01 * found.growth_rate
         assert found.system is not None
-        assert _marched(found.system, rng) == pytest.approx(found.growth_rate, rel=1e-4)
+        assert _marched(found.system, rng) == pytest.approx(found.growth_rate, rel=1e-5)
 
 
 def _marched(system: fr.HillSystem, rng: np.random.Generator) -> float:
@@ -72,7 +72,7 @@ def _marched(system: fr.HillSystem, rng: np.random.Generator) -> float:
         return (matrix @ x.reshape(order, -1)).ravel()
 
     reached = rng.normal(size=(order, 6))
-    for _ in range(4):
+    for _ in range(8):  # after 4 some are 3e-4 from the fastest still, after 8 none is 1e-7
         basis = np.linalg.qr(reached)[0]
         run = solve_ivp(rates, (0.0, period), basis.ravel(), "DOP853", rtol=1e-8, atol=1e-12)
         reached = run.y[:, -1].reshape(order, -1)
