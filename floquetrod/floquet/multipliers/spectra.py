@@ -222,7 +222,8 @@ def _smallest_radius(members: Bools, away: Floats, upper: Floats, error: float, 
         rows, columns = (
             float(solve_triangular(comparison, ones, trans=turned, check_finite=False).max()) for turned in (0, 1)
         )
-        return bool(rows * columns * (1.01 * error) ** 2 < 1.0)  # bounds the 2-norm; the rest is rounding
+        # bounds the 2-norm; the rest is rounding; an error beyond 1e154 has no square
+        return bool((1.01 * error * rows) * (1.01 * error * columns) < 1.0)
 
     low, high = error, min(room, 4.0 * (error + float(upper.sum()) + float(away[members].max())))
     if not low < high or not holds(high):
