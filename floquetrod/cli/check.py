@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import floquetrod as fr
+from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Report
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
@@ -33,7 +34,7 @@ from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.parameter import REQUIRED
 from floquetrod.rod.answers.reports import shown_in
-from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability, damping_lines
 from floquetrod.rod.answers.search_pieces import FEW_MODES
 from floquetrod.rod.loads.load import Load, LoadSource, Quantity
 from floquetrod.rod.model.beam import CONDITIONS
@@ -125,7 +126,7 @@ def add(check: Parser) -> None:
         "--margins",
         action=argparse.BooleanOptionalAction,
         help="compute the margins and the damping that stabilises (default: up to "
-        f"{FEW_MODES} coupled modes, not under a record)",
+        f"{FEW_MODES} coupled modes; under a record, of independent modes and one harmonic)",
     )
     check.add_output(
         "--out",
@@ -149,13 +150,14 @@ def _check(options: argparse.Namespace) -> Output:
             f"--method belongs to --system, got {options.method!r} with --rod: the methods for a rod follow from its "
             "load"
         )
+    modes = _modes(options.modes)
     rod, record, load, source = read_question(options)
     question = _Question(
         rod,
         record,
         load,
         source,
-        _modes(options.modes),
+        modes,
         read_tolerance(options),
         read_friction(options),
         read_units(options, rod, load),
@@ -170,7 +172,9 @@ def _check(options: argparse.Namespace) -> Output:
     said.numbers.update(about)
     said = said._replace(grown=angle)
     if said.margins is None and options.margins is None:
-        said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
+        damping, rate = _damping(result)
+        said.numbers.update(rate)
+        said = said._replace(not_searched=[("margins", _NOT_SEARCHED), *damping])
     said.lines.extend(undrawn)
     moved, sizes = _moved(question, result)
     said.lines.extend(moved)
@@ -233,15 +237,25 @@ def _verdict(question: _Question) -> RodStability | fr.results.FrictionalRodStab
 def _margins(
     question: _Question, result: RodStability | fr.results.FrictionalRodStability
 ) -> dict[Quantity, Margin] | None:
-    """Return the margins, where they were asked for, else where they take some seconds, not of a record; None without.
+    """Return the margins, where they were asked for, else where they take some seconds; None without.
 
-    The verdict is said while the search takes its time.
+    Of a record they do where they follow from tongues.  The verdict is said while the search takes its time.
     """
-    unasked = question.force is None and result.has_quick_margins
+    unasked = result.has_quick_margins if question.force is None else result.linear.has_exact_margins
     if not (unasked if question.margins is None else question.margins):
         return None
     with Waiting(f"{result.status}; searching the margins", "percent") as progress:
         return result.margins(progress=progress)
+
+
+def _damping(
+    result: RodStability | fr.results.FrictionalRodStability,
+) -> tuple[list[tuple[str, str]], dict[str, Any]]:
+    """Return the damping that stabilises an unstable rod of few modes, whose margins were not searched."""
+    if result.status != "unstable" or not result.has_quick_margins:
+        return [], {}
+    with Waiting("unstable; searching the damping"):
+        return damping_lines(result.linear), by_keys(result.linear, "damping_to_stabilise_per_s")
 
 
 def _grown(
@@ -282,9 +296,9 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(question)
-    shown = shown_in(question.shown, question.rod)
+    shown, quiet = shown_in(question.shown, question.rod), ", without noise" if question.load.noise else ""
     lines = [
-        ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),
+        ("sine", f"of the same mean, amplitude and frequency{quiet}: {sine.status}{_growing(sine)}"),
         ("record", question.force.in_words(shown["force"], shown["frequency"])),
     ]
     numbers = {
@@ -295,8 +309,8 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
 
 
 def _sine(question: _Question) -> RodStability:
-    """Return the verdict on the load without its higher harmonics."""
-    sine: Load = replace(question.load, waveform="sine")
+    """Return the verdict on the load without its higher harmonics and its noise."""
+    sine: Load = replace(question.load, waveform="sine", noise=0.0)
     return question.rod.stability(sine, growth_tolerance=question.tolerance)
 
 

@@ -146,3 +146,53 @@ def test_the_noise_of_a_record_counts_whatever_an_option_changes(
         assert load.mean_at == (None if name == "mean_at" else 0.5)
     verdict = ROD.replace(damping_rate=0.0).stability(source, modes=range(1, 5))
     assert (told["status"], told["growth_rate_error_per_s"]) == (verdict.status, verdict.error)
+
+
+GROWING, GROWING_MEAN = ["--mean", "0.17Fcr", "--damping-rate", "0.1"], 0.17 * ROD.critical_force
+DAMPED_LITTLE = ROD.replace(damping_rate=0.1)
+
+
+def checked(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, str]:
+    """Return what `check` says of the reference rod, by the labels of its lines."""
+    assert cli.main(["check", "--rod", "nitinol", "--growth-tolerance", "1e-3", *arguments]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    return {line[:10].strip(): line[10:] for line in lines if re.match(r"[a-z]", line)}
+
+
+def test_the_sine_beside_a_random_force_has_no_noise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(written(tmp_path, "N"))
+    lines = checked(capsys, *GROWING, "--force", path, "--noise", "spectrum")
+    record = fr.ForceRecord.from_csv(path)
+    sine = DAMPED_LITTLE.stability(fr.AxialLoad(GROWING_MEAN, record.amplitude, record.frequency))
+    told = re.fullmatch(r"of the same mean, amplitude and frequency, without noise: unstable, (\S+) 1/s", lines["sine"])
+    assert told is not None
+    assert float(told[1]) == pytest.approx(sine.growth_rate, rel=1e-5)  # in mean square it is twice as much
+
+
+@pytest.mark.parametrize(("more", "name"), [([], "load"), (["--noise", "spectrum"], "noisy_load")])
+def test_an_unstable_record_names_the_damping_without_margins(
+    more: list[str], name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = str(written(tmp_path, "N"))
+    asked = [*GROWING, "--force", path, *more]
+    lines = checked(capsys, *asked)
+    assert lines["margins"].startswith("not searched")
+    told = re.fullmatch(r"stable with every damping_rate tried above (\S+) 1/s", lines["damping"])
+    assert told is not None
+    push = getattr(fr.ForceRecord.from_csv(path), name).varied("mean", GROWING_MEAN)
+    damped = [ROD.replace(damping_rate=factor * float(told[1])) for factor in (0.99, 1.01)]
+    assert [rod.stability(push, growth_tolerance=1e-3).status for rod in damped] == ["unstable", "stable"]
+    assert "damping" not in checked(capsys, *asked, "--no-margins")
+
+
+def test_a_record_of_one_harmonic_has_the_margins_of_the_sine(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t, path = np.arange(0.0, 0.5, 1e-3), tmp_path / "force.csv"
+    np.savetxt(path, np.c_[t, MEAN + AMPLITUDE * np.sin(OMEGA * t)], "%.9g", ",", header="t / s,F / N", comments="")
+    lines = checked(capsys, "--damping-rate", "0.3", "--force", str(path))
+    record = fr.ForceRecord.from_csv(path)
+    sine = fr.AxialLoad(record.mean, record.amplitude, record.frequency)
+    margin = ROD.stability(sine, growth_tolerance=1e-3).mean_force_margin
+    below, above = (float(each) for each in re.findall(r"([\d.]+) N (?:lower|higher)", lines["margins"]))
+    assert (below, above) == pytest.approx(tuple(margin), rel=1e-3)

@@ -421,10 +421,10 @@ class RodStability(Reported, Verdict):
         """Whether margins take some seconds at most, as they do except for many modes without exact margins."""
         if isinstance(self.evidence, TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
             return self.evidence.seconds <= _QUICK_VERDICT
-        return self._has_exact_margins or self.modes_checked <= FEW_MODES
+        return self.has_exact_margins or self.modes_checked <= FEW_MODES
 
     @property
-    def _has_exact_margins(self) -> bool:
+    def has_exact_margins(self) -> bool:
         """Whether margins follow from the tongues, so that they miss nothing."""
         return self.evidence.has_exact_margins or self.model.has_exact_margins
 
@@ -473,14 +473,9 @@ class RodStability(Reported, Verdict):
             lines.append(("", f"most in {words}, at {shown['length'].show(place, 4)} from the upper end"))
         if margins is not None:
             lines += margin_lines(margins, self.status, shown, self._band_beyond)
-            if not self._has_exact_margins:
+            if not self.has_exact_margins:
                 lines.append(("", missed_changes(margins, shown)))
-            if math.isinf(damping := self.damping_to_stabilise):
-                text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
-                lines.append(("damping", text))
-            elif damping > 0.0:
-                rates = "a damping_rate" if self._has_exact_margins else "every damping_rate tried"
-                lines.append(("damping", f"stable with {rates} above {damping:.6g} 1/s"))
+            lines += damping_lines(self)
         table = table_of_parts(self.rod, answer_units(shown)) if self.rod.varies else _mode_table(evidence)
         lines.append(("checked", self.cutoff))
         if table is not None and not self.rod.varies:
@@ -559,6 +554,15 @@ def growing_in_words(verdict: RodStability) -> str:
             return "coupled modes grow in mean square"
         case TwoFrequencyCoupledEvidence():
             return "growth"
+
+
+def damping_lines(verdict: RodStability) -> list[ReportLine]:
+    """Return the damping that stabilises, in words; no line where the load is stable with any."""
+    if math.isinf(damping := verdict.damping_to_stabilise):
+        text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
+        return [("damping", text)]
+    rates = "a damping_rate" if verdict.has_exact_margins else "every damping_rate tried"
+    return [("damping", f"stable with {rates} above {damping:.6g} 1/s")] if damping > 0.0 else []
 
 
 def _headline(verdict: RodStability) -> str:

@@ -33,7 +33,7 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, NEAREST, NoisyModel, unstable_without_noise
+from floquetrod.rod.modes.noisy_verdict import NEAREST, NoisyModel, high_modes_grow, unstable_without_noise
 from floquetrod.rod.modes.verdict_samples import VerdictCounts
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
@@ -300,7 +300,7 @@ def _judged(
     """Return the verdict, and what to know of it, given the growth with noise and without."""
     beyond = model.growth_beyond(load)
     if beyond > growth_tolerance:
-        return "unstable", HIGH_MODES_GROW.format(beyond)
+        return "unstable", high_modes_grow(beyond, model.rod.damping_rate)
     if not noisy.error < math.inf:
         return "undecided", "the growth of second moments could not be computed"
     if noisy.rate + noisy.error < growth_tolerance:

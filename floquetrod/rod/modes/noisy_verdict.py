@@ -44,10 +44,12 @@ _MOST_DECISIVE = 256  # modes that a verdict next to a critical factor may need:
 _PARTS = 2  # of a search for a critical factor that are to come, at least
 
 
-HIGH_MODES_GROW = (
+_HIGH_MODES_GROW = (
     "all high modes grow at {:.3g} 1/s in mean square: the noise has this density at every frequency; give pairs of "
     "frequency and density where it has not"
 )
+
+_UNDAMPED = "without damping even the weakest noise makes a mode grow"
 
 
 @dataclass(frozen=True)
@@ -286,6 +288,11 @@ def classify_noisy(
     )
 
 
+def high_modes_grow(limit: float, damping_rate: float) -> str:
+    """Return that all high modes grow, at ``limit`` in 1/s in mean square, and what would prevent it."""
+    return _HIGH_MODES_GROW.format(limit) + (f"; {_UNDAMPED}" if damping_rate == 0.0 else "")
+
+
 class _Examined:
     """Modes under a load: the verdict on the second moments of each, and their growth in 1/s between bounds."""
 
@@ -346,14 +353,16 @@ def _concluded(examined: _Examined, others: tuple[float, float], growth_toleranc
     """Return the verdict on all modes, and what to know of it; ``others`` grow at least, and at most, so fast."""
     limit, left_out = others
     verdicts, rates = examined.verdicts, examined.rates.tolist()
+    damping_rate = float(examined.equations.constants.damping_rate)
     if limit > growth_tolerance:
-        return "unstable", HIGH_MODES_GROW.format(limit)
-    grows = (
+        return "unstable", high_modes_grow(limit, damping_rate)
+    grows = [
         v.status == "unstable" and not tolerated(rate, growth_tolerance)
         for v, rate in zip(verdicts, rates, strict=True)
-    )
+    ]
     if any(grows) or examined.low.max() > growth_tolerance:
-        return "unstable", ""
+        is_shaken = any(g and s > 0.0 for g, s in zip(grows, examined.intensities, strict=True))
+        return "unstable", _UNDAMPED if is_shaken and damping_rate == 0.0 else ""
     unsure = [
         v
         for v, high in zip(verdicts, examined.high, strict=True)

@@ -52,6 +52,16 @@ def test_all_high_modes_grow_beyond_the_density_that_they_bear() -> None:
     assert verdict.growth_rate >= 1.0 - 1e-3
 
 
+WEAKEST = "without damping even the weakest noise makes a mode grow"
+
+
+@pytest.mark.parametrize("noise", [1e-9, [(40.0, 1e-9), (50.0, 1e-9), (60.0, 0.0)]])
+def test_a_rod_without_damping_is_said_to_grow_under_any_noise(noise: float | list[tuple[float, float]]) -> None:
+    for damping_rate, is_said in ((0.0, True), (ROD.damping_rate, False)):
+        verdict = ROD.replace(damping_rate=damping_rate).stability(fr.AxialLoad(-1.0, 0.0, 150.0, noise=noise))
+        assert (verdict.status, WEAKEST in verdict.note) == ("unstable" if is_said else "stable", is_said)
+
+
 def test_the_verdict_is_that_on_the_second_moments_of_each_mode() -> None:
     verdict = ROD.stability(load(0.5 * HIGH_MODES), modes=(7, 11))
     for i, mode in enumerate((7, 11)):
