@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -225,6 +225,7 @@ def read_tool(text: str, name: str) -> VibrationTool:
         raise ValueError(f"{name} must be such as 5kN@18Hz@30m+3kN@29Hz with a second sine, got {short(text)}")
     names = "second amplitude", "second frequency", "phase"
     written += zip(names, second, ("force", "frequency", "angle"), strict=False)
+    _require_order(parts, name, text)
     for number in bare_numbers((Written(*each) for each in written), _OF_TOOLS):
         raise ValueError(f"{name} {short(text)}: its {number.quantity.name} {number.problem}")
     bare = parts[1].strip()
@@ -237,6 +238,24 @@ def read_tool(text: str, name: str) -> VibrationTool:
             stacklevel=2,
         )
     return VibrationTool(*parts, second=tuple(second) if plus else None)  # type: ignore[arg-type]
+
+
+_PARTS_OF_TOOL = ("force", "frequency", "length")
+"""Kinds of the quantities as which a tool is written, in this order."""
+
+
+def _require_order(parts: Sequence[str], name: str, text: str) -> None:
+    """Raise ValueError where the units of a tool's parts are those of parts at other places, and show the order."""
+    kinds = [units.kind_of(units.unit_of(part.strip()) or "") for part in parts]
+    if all(kind in (None, expected) for kind, expected in zip(kinds, _PARTS_OF_TOOL, strict=False)):
+        return
+    by_kind = {kind: part.strip() for kind, part in zip(kinds, parts, strict=True) if kind is not None}
+    came = ", ".join(f"{part} is a {kind}" for kind, part in by_kind.items())
+    order = _PARTS_OF_TOOL[: len(parts)]
+    is_whole = set(order) == set(kinds)
+    write = f"write {'@'.join(by_kind[kind] for kind in order)}" if is_whole else "write it such as 5kN@18Hz@30m"
+    wanted = "force@frequency, or force@frequency@distance above the lower end"
+    raise ValueError(f"{name} must be {wanted}, got {short(text)}: {came}; {write}")
 
 
 def read_friction(text: str, name: str) -> float | list[tuple[float | str, float]]:

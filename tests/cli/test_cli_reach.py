@@ -99,7 +99,12 @@ def test_the_terminal_and_python_reach_the_same(seed: int, line: list[str], caps
         (["--friction", "0.3,0.2"], "--friction must be such as 0.2 or"),
         (["--friction", "much"], "--friction must be a number"),
         (["--friction", "0.3", "--tool", "5kN"], "--tool must be such as 5kN@18Hz"),
-        (["--friction", "0.3", "--tool", "5kN@18m"], "frequency must be a number with"),
+        (
+            ["--friction", "0.3", "--tool", "5kN@18m"],
+            "got '5kN@18m': 5kN is a force, 18m is a length; write it such as",
+        ),
+        (["--friction", "0.3", "--tool", "15Hz@1500lbf"], "1500lbf is a force; write 1500lbf@15Hz"),
+        (["--friction", "0.3", "--tool", "5kN@30m@18Hz"], "18Hz is a frequency; write 5kN@18Hz@30m"),
         (
             ["--friction", "0.3", "--tool", "5kN@18Hz@2000m"],
             "--tool must lie in the string, less than its length 2000 m",

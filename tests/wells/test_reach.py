@@ -286,9 +286,12 @@ def test_gains_that_the_depths_asked_for_cut_short_say_so() -> None:
     lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[3500.0]).report().lines)
     assert lines["speed"].count(" m/s (to the deepest depth asked for)") == 2
     assert "m at 0.2 m/s" in lines["speed"].rsplit(",", 1)[1]
-    assert re.match(r"best: [\d.]+ Hz, 3,500 m \(\+510 m\), the deepest depth asked for, ", lines["tool Hz"])
+    assert re.match(r"farthest at [\d.]+ Hz: to 3,500 m \(\+510 m\), the deepest depth asked for, ", lines["tool Hz"])
     lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[4000.0]).report().lines)
     assert "asked for" not in lines["speed"] + lines["tool Hz"]
+
+
+METRE = units.unit("m", "", "length")
 
 
 @pytest.mark.slow
@@ -301,7 +304,9 @@ def test_what_a_tool_gains_is_told_for_three_speeds_of_sliding() -> None:
         assert other.reach_shaken == pytest.approx(deep, abs=0.5)
         assert not TUBING.mean_force(WELL, 0.3, tool=TOOL, speed=speed, bottom=deep).is_locked
     assert (np.diff(found.gain_at_speeds) < 0.0).all()
-    assert f"the tool gains {found.gain_at_speeds[0]:.3g} m at 0.04 m/s" in str(found.report())
+    gains = [far(deep, METRE, less=found.reach)[1:] for deep in found.reach_at_speeds]
+    assert f"the tool gains {gains[0]} m at 0.04 m/s, {gains[1]} m at 0.1 m/s" in str(found.report())
+    assert f"(+{gains[1]} m)" in str(found.report())  # the headline, with the same digits
     sheet = found.as_dict()
     assert sheet["gain_at_speeds_m"] == pytest.approx(found.gain_at_speeds)
     assert TUBING.reach(WELL, 0.3, depth=[1000.0]).speeds.size == 0
@@ -321,10 +326,12 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert np.isinf(shaken.speed_to_grow[~held]).all()
     assert shaken.useful_frequencies == ()
     said = str(shaken.report())
-    assert "all with growing lateral waves" in said  # where it hangs free, without damping
+    assert (
+        f"{far(shaken.frequency_depth[-1], METRE)} m at least, each with lateral waves" in said
+    )  # where it hangs free, without damping
     best = int(np.nanargmax(shaken.reach_at_frequencies))
     hertz = f"{shaken.frequencies[best] / (2.0 * math.pi):.3g}Hz"
-    assert f"best: {hertz[:-2]} Hz, " in said
+    assert f"farthest at {hertz[:-2]} Hz: to {far(shaken.reach_at_frequencies[best], METRE)} m (" in said
     alone = TUBING.reach(WELL, 0.3, tool=fr.VibrationTool(TOOL.amplitude, hertz, TOOL.above_end), depth=DEPTHS)
     assert shaken.reach_at_frequencies[best] == pytest.approx(alone.reach_shaken, rel=2e-3)
     table = frequency_table(shaken, shaken._units(None, None, None, None))

@@ -510,7 +510,8 @@ class Reach(units.InUnits, Printed, ByContent):
         texts = []
         for speed, depth, gain in zip(self.speeds, self.reach_at_speeds, self.gain_at_speeds, strict=True):
             ends = f" (to {end})" if (end := self._end_at(depth)) else ""
-            text = shown.length.show(gain, 3) if gain > 0.0 else "nothing"
+            gained = f"{far(depth, shown.length, less=self.reach).removeprefix('+')} {shown.length.name}"
+            text = gained if gain > 0.0 else "nothing"
             texts.append(f"{text} at {shown.speed.show(speed, 3)}{ends}")
         return f"by the speed at which the string slides, the tool gains {', '.join(texts)}"
 
@@ -588,25 +589,27 @@ class Reach(units.InUnits, Printed, ByContent):
             return "not examined with a tool of two frequencies"
         if self.tool is None or not self.gain > 0.0:
             return "not examined, because the tool gains no depth at its own frequency"
-        tried = f"of {every.size} frequencies tried from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}"
-        gains = f"at least {100.0 * _WAY[-1]:.0f} % of its {length.show(self.gain, 3)}"
+        tried = f"{every.size} frequencies from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}"
+        as_far = f"{far(self.frequency_depth[-1], length)} {length.name}"
         pushing = np.count_nonzero(np.isfinite(self.frequency_growth))
         if not pushing:
-            return f"{tried}, none gains {gains}"
+            return f"none of {tried} that were tried takes the string to {as_far}"
         reach, growth = self.reach_at_frequencies, self.frequency_growth
         k, slowest = int(np.nanargmax(reach)), int(np.argmin(growth))
         ended = f", {end}" if (end := self._end_at(float(reach[k]))) else ""
-        waves = f"lateral waves of {growth[k]:.3g} 1/s{', the slowest too' if k == slowest else ''}"
+        waves = f"where lateral waves grow at {growth[k]:.3g} 1/s" if growth[k] > _GROWS else "without lateral waves"
         best = (
-            f"best: {shown.show(every[k], 3)}, {far(reach[k], length)} {length.name} "
-            f"({far(reach[k], length, less=self.reach)} {length.name}){ended}, "
-            f"{waves if growth[k] > _GROWS else 'without lateral waves'}"
+            f"farthest at {shown.show(every[k], 3)}: to {far(reach[k], length)} {length.name} "
+            f"({far(reach[k], length, less=self.reach)} {length.name}){ended}, {waves}"
         )
         ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
         if ranges:
-            return f"{best}; {tried}, {ranges} gain {gains} without lateral waves"
-        slow = "" if k == slowest else f", by at least {growth[slowest]:.3g} 1/s at {shown.show(every[slowest], 3)}"
-        return f"{best}; {tried}, {pushing} gain {gains}, all with growing lateral waves{slow}"
+            return f"{best}; {tried} were tried: at {ranges} the string goes to {as_far} at least without lateral waves"
+        slow = "there" if k == slowest else f"at {shown.show(every[slowest], 3)}, {growth[slowest]:.3g} 1/s"
+        return (
+            f"{best}; {tried} were tried: at {pushing} the string goes to {as_far} at least, each with lateral waves, "
+            f"the slowest {slow}"
+        )
 
     def _table(self, shown: AnswerUnits) -> Table:
         depth, force = shown.length, shown.force
