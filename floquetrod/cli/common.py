@@ -243,7 +243,10 @@ def read_quantity(text: str, name: load.Quantity, rod: fr.Rod, given: str | None
 def require_one_value(text: str | None, name: load.Quantity) -> None:
     """Raise ValueError for a range of a quantity of the load."""
     if text is not None and ":" in text:
-        raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
+        raise ValueError(
+            f"--{name} must be one value here, got {text!r}; floquetrod ranges takes a range of one quantity, map and "
+            "certify take ranges of two"
+        )
 
 
 def read_force(text: str, name: str, rod: fr.Rod) -> float:

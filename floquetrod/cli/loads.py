@@ -139,10 +139,10 @@ def read_question(options: argparse.Namespace, *, required: bool = True) -> Ques
     """
     if required:
         _require_quantities(options)
-    rod = read_rod(options)
-    record, like = _read_kind(options, rod)
     for name in QUANTITIES:
         require_one_value(getattr(options, name), name)
+    rod = read_rod(options)
+    record, like = _read_kind(options, rod)
     load = reading.read_load(vars(options), rod, like, option)
     if record is None:
         return Question(rod, None, load, load)

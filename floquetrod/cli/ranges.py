@@ -35,6 +35,13 @@ stabilises the load with the fastest growth.
 """
 
 
+_ELSEWHERE = (
+    "floquetrod check answers about one load",
+    "of two ranges floquetrod map draws the stability, and certify proves it",
+)
+"""What answers where no quantity has a range, and where several have."""
+
+
 def add(ranges: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(ranges, _HELP, _ranges, (*ROD_AND_LOAD, "growth_tolerance"))
@@ -51,7 +58,7 @@ def _ranges(options: argparse.Namespace) -> Output:
     if len(varied) != 1:
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
-            + asked.varied_in_words
+            f"{asked.varied_in_words}; {_ELSEWHERE[bool(varied)]}"
         )
     asked.warn_of_hertz(options)
     low, high = values.pop(varied[0])

@@ -21,6 +21,7 @@ _NUMBER = re.compile(
 )
 _FRACTION = re.compile(r"\s*([-+]?)(?:(\d{1,9})(?:\s*-\s*|\s+))?(\d{1,9})/([1-9]\d{0,8})\s*([^\s\d/]*)\s*", re.ASCII)
 _FRACTIONS_OF = ("in", "ft")
+_ONE_CRITICAL_FORCE = "Fcr"  # stands alone, too, where every other unit has a number before it
 _FEET_AND_INCHES = re.compile(
     r"\s*([-+]?)(\d{1,9})\s*(ft|feet|foot|')\s*-?\s*(\d{1,2}(?:\.\d*)?)\s*(in|inch|inches|\")\s*", re.ASCII
 )
@@ -238,9 +239,11 @@ def _written(text: str) -> tuple[float, str] | None:
 
     >>> _written("24Hz"), _written("2-3/8in"), _written('2 3/8"'), _written("3 deg / 30 m"), _written("fast")
     ((24.0, 'Hz'), (2.375, 'in'), (2.375, '"'), (3.0, 'deg/30m'), None)
-    >>> _written("9500ft 6in")
-    (9500.5, 'ft')
+    >>> _written("9500ft 6in"), _written("Fcr")
+    ((9500.5, 'ft'), (1.0, 'Fcr'))
     """
+    if text.strip().lower() == _ONE_CRITICAL_FORCE.lower():
+        return 1.0, _ONE_CRITICAL_FORCE
     both = _FEET_AND_INCHES.fullmatch(text)
     if both is not None and float(both[4]) < 12.0:
         size = int(both[2]) + float(both[4]) / 12.0

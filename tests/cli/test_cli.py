@@ -457,6 +457,15 @@ def test_examples_run(
     assert captured.err == ""
 
 
+def test_the_critical_force_needs_no_number_before_it(capsys: pytest.CaptureFixture[str]) -> None:
+    answers = []
+    for ends in ("0.5:1Fcr", "0.5:Fcr"):
+        arguments = ["ranges", "--rod", "nitinol", "--amplitude", "0.2Fcr", "--frequency", "150", "--mean", ends]
+        assert cli.main(arguments) == 0
+        answers.append(capsys.readouterr().out)
+    assert answers[0] == answers[1]
+
+
 def test_ranges(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["ranges", "--rod", "nitinol", "--amplitude", "0.2Fcr", "--frequency", "150", "--mean", "0:1.5Fcr"]
     assert cli.main([*arguments, "--growth-tolerance", "0.01"]) == 0
