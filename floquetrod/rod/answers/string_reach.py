@@ -605,10 +605,11 @@ class Reach(units.InUnits, Printed, ByContent):
         ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
         if ranges:
             return f"{best}; {tried} were tried: at {ranges} the string goes to {as_far} at least without lateral waves"
-        slow = "there" if k == slowest else f"at {shown.show(every[slowest], 3)}, {growth[slowest]:.3g} 1/s"
+        slow = f"{shown.show(every[slowest], 3)}: {growth[slowest]:.3g} 1/s"
+        count = f"all {pushing}" if pushing == every.size else f"{pushing}"
         return (
-            f"{best}; {tried} were tried: at {pushing} the string goes to {as_far} at least, each with lateral waves, "
-            f"the slowest {slow}"
+            f"{best}; {tried} were tried: at {count} the string goes to {as_far} at least, each with lateral waves, "
+            f"which grow most slowly at {slow}"
         )
 
     def _table(self, shown: AnswerUnits) -> Table:
