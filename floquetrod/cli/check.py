@@ -296,9 +296,10 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(question)
-    shown, quiet = shown_in(question.shown, question.rod), ", without noise" if question.load.noise else ""
+    shown = shown_in(question.shown, question.rod)
+    without_noise = ", without noise" if question.load.noise else ""
     lines = [
-        ("sine", f"of the same mean, amplitude and frequency{quiet}: {sine.status}{_growing(sine)}"),
+        ("sine", f"of the same mean, amplitude and frequency{without_noise}: {sine.status}{_growing(sine)}"),
         ("record", question.force.in_words(shown["force"], shown["frequency"])),
     ]
     numbers = {

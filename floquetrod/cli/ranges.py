@@ -35,13 +35,6 @@ stabilises the load with the fastest growth.
 """
 
 
-_ELSEWHERE = (
-    "floquetrod check answers about one load",
-    "of two ranges floquetrod map draws the stability, and certify proves it",
-)
-"""What answers where no quantity has a range, and where several have."""
-
-
 def add(ranges: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(ranges, _HELP, _ranges, (*ROD_AND_LOAD, "growth_tolerance"))
@@ -56,9 +49,14 @@ def _ranges(options: argparse.Namespace) -> Output:
     rod, like, values, tolerance, shown = asked
     varied = asked.varied
     if len(varied) != 1:
+        other = (
+            "of two ranges floquetrod map draws the stability, and certify proves it"
+            if varied
+            else "floquetrod check answers about one load"
+        )
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
-            f"{asked.varied_in_words}; {_ELSEWHERE[bool(varied)]}"
+            f"{asked.varied_in_words}; {other}"
         )
     asked.warn_of_hertz(options)
     low, high = values.pop(varied[0])

@@ -27,30 +27,36 @@ def draw(
     Every run over the two quantities of ``over``, or over two that are drawn.  Over one chosen quantity without drawn
     runs it shows each run.  The title has the share of all runs.  ValueError where there is nothing of this.
     """
+    figure = _drawn(runs, result, confidence, units, over, figure)
+    figure.axes[0].set_title(overall(runs, result, confidence), fontsize="medium", wrap=True)
+    return figure
+
+
+def _drawn(runs: Any, result: str, confidence: float, units: Mapping[str, Unit] | None, over: Any, figure: Any) -> Any:
+    """Return the figure without its title."""
     from floquetrod.plotting import ensemble_plot
     from floquetrod.plotting.chart_plot import figure_or_new
 
-    heading = overall(runs, result, confidence)
     plane: Any = None if over is not None else share_over(runs, result)
     draw_plane: Any = ensemble_plot.draw_share_plane
     if plane is None:
         plane, draw_plane = runs_over(runs, result, over), ensemble_plot.draw_runs
     shares = shares_along(runs, result, confidence)
     if plane is None and shares:
-        return ensemble_plot.draw_shares(shares, result, confidence, units, figure, heading)
+        return ensemble_plot.draw_shares(shares, result, confidence, units, figure)
     if plane is not None and not shares:
-        return draw_plane(plane, result, units, figure, heading)
+        return draw_plane(plane, result, units, figure)
     if plane is not None:
         figure = figure_or_new(figure, (7.2, _PLANE + _PANEL * len(shares)))
         above, below = figure.subfigures(2, 1, height_ratios=[_PLANE, _PANEL * len(shares)])
-        draw_plane(plane, result, units, above, heading)
+        draw_plane(plane, result, units, above)
         ensemble_plot.draw_shares(shares, result, confidence, units, below)
         return figure
     require_drawable(list(chosen_quantities(runs)), is_drawn=False)
     (name,) = chosen_quantities(runs)
     done = runs["status"].ravel() == DONE
     values, results = runs[name].astype(float)[done], runs[result].ravel()[done] == 1
-    return ensemble_plot.draw_results(name, runs.units[name], values, results, result, units, figure, heading)
+    return ensemble_plot.draw_results(name, runs.units[name], values, results, result, units, figure)
 
 
 def require_drawable(chosen: list[str], *, is_drawn: bool) -> None:

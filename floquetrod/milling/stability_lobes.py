@@ -669,20 +669,20 @@ class _Boundary:
             falls = (left.depth - middle.depth) / below, (right.depth - middle.depth) / above
             bend = sum(falls)
             if not 0.0 < bend < math.inf:
-                break
+                return middle, 0.0
             step = 0.5 * (falls[0] * above - falls[1] * below) / bend
             least = _INWARD * (above if step >= 0.0 else below)
             if abs(step) < least:  # so near that the other side is brought closer, too
                 step = 4.0 * least if above > below else -4.0 * least * below / max(below, above)
             middle_fall = bend * step * step / (above + below)
             if abs(step) <= 4.0 * least and middle_fall < 0.1 * ACCURACY * middle.depth:
-                break
+                return middle, 0.0
             step = min(max(step, -0.9 * below), 0.9 * above)
             if not narrowed:
                 step = _GOLDEN * above if above > below else -_GOLDEN * below
             speed = middle.speed + step
             if speed in (left.speed, middle.speed, right.speed):
-                return middle, max(left.depth, right.depth) - middle.depth
+                break
             start = yield _Place(speed, (middle.depth, middle.depth), _FINE)
             lower = self.name(start) == self.name(middle) and start.depth < middle.depth
             if lower:
@@ -691,9 +691,7 @@ class _Boundary:
                 left = start
             else:
                 right = start
-        else:
-            return middle, max(left.depth, right.depth) - middle.depth
-        return middle, 0.0
+        return middle, max(left.depth, right.depth) - middle.depth
 
 
 def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> list[Lobe]:

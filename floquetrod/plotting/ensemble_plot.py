@@ -12,16 +12,13 @@ from floquetrod.plotting.chart_plot import NAMES, colours, explain, figure_or_ne
 from floquetrod.units import Unit
 
 
-def draw_share_plane(
-    plane: Any, result: str, units: Mapping[str, Unit] | None = None, figure: Any = None, heading: str = ""
-) -> Any:
+def draw_share_plane(plane: Any, result: str, units: Mapping[str, Unit] | None = None, figure: Any = None) -> Any:
     """Return a figure of a `floquetrod.ensembles.shares.SharePlane` as cells about its values, hatched where not known.
 
     Quantities are in ``units`` by their names.
     """
     figure = figure_or_new(figure, (7.2, 4.4))
     ax = figure.subplots()
-    ax.set_title(heading, fontsize="medium", wrap=True)
     (x, label_x), (y, label_y) = (
         _in_unit(name, unit, values, units)
         for name, unit, values in zip(plane.names, plane.units, (plane.x, plane.y), strict=True)
@@ -48,16 +45,13 @@ def draw_share_plane(
     return figure
 
 
-def draw_runs(
-    over: Any, result: str, units: Mapping[str, Unit] | None = None, figure: Any = None, heading: str = ""
-) -> Any:
+def draw_runs(over: Any, result: str, units: Mapping[str, Unit] | None = None, figure: Any = None) -> Any:
     """Return a figure of `floquetrod.ensembles.shares.RunsOver`: a point for each run, filled where it has the result.
 
     Quantities are in ``units`` by their names.
     """
     figure = figure_or_new(figure, (7.2, 4.4))
     ax = figure.subplots()
-    ax.set_title(heading, fontsize="medium", wrap=True)
     (x, label_x), (y, label_y) = (
         _in_unit(name, unit, values, units)
         for name, unit, values in zip(over.names, over.units, (over.x, over.y), strict=True)
@@ -80,20 +74,12 @@ def _edges(values: Any) -> Any:
 
 
 def draw_results(
-    name: str,
-    unit: str,
-    values: Any,
-    results: Any,
-    result: str,
-    units: Mapping[str, Unit] | None,
-    figure: Any,
-    heading: str = "",
+    name: str, unit: str, values: Any, results: Any, result: str, units: Mapping[str, Unit] | None, figure: Any
 ) -> Any:
     """Return a figure of runs over one quantity in its SI ``unit``: each with a result, true or false."""
     values, label = _in_unit(name, unit, values, units)
     figure = figure_or_new(figure, (7.2, 2.7))
     ax = figure.subplots()
-    ax.set_title(heading, fontsize="medium", wrap=True)
     (drawn,) = ax.plot(values, results.astype(int), **palette.POINT, linestyle="none")
     drawn.set_label("a run")
     ax.set_yticks([0, 1], [f"not {result}", result])
@@ -112,17 +98,11 @@ def _in_unit(name: str, unit: str, values: Any, units: Mapping[str, Unit] | None
 
 
 def draw_shares(
-    shares: Sequence[Any],
-    result: str,
-    confidence: float,
-    units: Mapping[str, Unit] | None = None,
-    figure: Any = None,
-    heading: str = "",
+    shares: Sequence[Any], result: str, confidence: float, units: Mapping[str, Unit] | None = None, figure: Any = None
 ) -> Any:
     """Return a figure with a panel for each `floquetrod.ensembles.shares.ShareAlong`, in ``units`` by its name."""
     figure = figure_or_new(figure, (7.2, 2.7 * len(shares)))
     panels = np.atleast_1d(figure.subplots(len(shares), 1))
-    panels[0].set_title(heading, fontsize="medium", wrap=True)
     for ax, along in zip(panels, shares, strict=True):
         (value, low, high), label = _in_unit(
             along.name, along.unit, np.array([along.value, along.low, along.high]), units

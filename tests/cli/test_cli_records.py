@@ -164,9 +164,11 @@ def test_the_sine_beside_a_random_force_has_no_noise(tmp_path: Path, capsys: pyt
     lines = checked(capsys, *GROWING, "--force", path, "--noise", "spectrum")
     record = fr.ForceRecord.from_csv(path)
     sine = DAMPED_LITTLE.stability(fr.AxialLoad(GROWING_MEAN, record.amplitude, record.frequency))
-    told = re.fullmatch(r"of the same mean, amplitude and frequency, without noise: unstable, (\S+) 1/s", lines["sine"])
-    assert told is not None
-    assert float(told[1]) == pytest.approx(sine.growth_rate, rel=1e-5)  # in mean square it is twice as much
+    match = re.fullmatch(
+        r"of the same mean, amplitude and frequency, without noise: unstable, (\S+) 1/s", lines["sine"]
+    )
+    assert match is not None
+    assert float(match[1]) == pytest.approx(sine.growth_rate, rel=1e-5)  # in mean square it is twice as much
 
 
 @pytest.mark.parametrize(("more", "name"), [([], "load"), (["--noise", "spectrum"], "noisy_load")])
@@ -174,15 +176,15 @@ def test_an_unstable_record_names_the_damping_without_margins(
     more: list[str], name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = str(written(tmp_path, "N"))
-    asked = [*GROWING, "--force", path, *more]
-    lines = checked(capsys, *asked)
+    options = [*GROWING, "--force", path, *more]
+    lines = checked(capsys, *options)
     assert lines["margins"].startswith("not searched")
-    told = re.fullmatch(r"stable with every damping_rate tried above (\S+) 1/s", lines["damping"])
-    assert told is not None
+    match = re.fullmatch(r"stable with every damping_rate tried above (\S+) 1/s", lines["damping"])
+    assert match is not None
     push = getattr(fr.ForceRecord.from_csv(path), name).varied("mean", GROWING_MEAN)
-    damped = [ROD.replace(damping_rate=factor * float(told[1])) for factor in (0.99, 1.01)]
+    damped = [ROD.replace(damping_rate=factor * float(match[1])) for factor in (0.99, 1.01)]
     assert [rod.stability(push, growth_tolerance=1e-3).status for rod in damped] == ["unstable", "stable"]
-    assert "damping" not in checked(capsys, *asked, "--no-margins")
+    assert "damping" not in checked(capsys, *options, "--no-margins")
 
 
 def test_a_record_of_one_harmonic_has_the_margins_of_the_sine(

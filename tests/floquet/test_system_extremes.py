@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from typing import Any
 
@@ -33,12 +34,7 @@ def ask_everything(system: System) -> Any:
     with undecided:
         assert fr.systems.is_stable(system) == (result.status == "stable")
     multipliers = fr.systems.multipliers(system)
-    # those lost in the rounding of the map are NaN
-    if (
-        np.isfinite(multipliers[0])
-        and result.status == "unstable"
-        and result.growth_rate * float(system.period) < 350.0
-    ):  # e^700: 1e304
+    if result.status == "unstable" and result.growth_rate * float(system.period) < 350.0:  # e^700: 1e304
         assert np.log(abs(multipliers[0])) / system.period == pytest.approx(result.growth_rate, rel=1e-6)
     return result
 
@@ -128,10 +124,19 @@ def test_what_decays_to_zero_within_a_period_is_stable(n: int) -> None:
     assert (found.status, found.growth_rate) == ("stable", 0.0)
 
 
+LARGEST_LOST = {(0, 0), (7, 1), (7, 2)}
+"""Seeds and kinds of which `fr.systems.multipliers` of one system has no multiplier, where `fr.stability` has all."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", range(8))
-@pytest.mark.parametrize("seed", range(10))
-def test_many_stiffnesses_of_every_size(kind: int, seed: int) -> None:
+@pytest.mark.parametrize(
+    ("seed", "kind"),
+    [
+        pytest.param(*drawn, marks=[pytest.mark.xfail(raises=AssertionError, strict=True)] * (drawn in LARGEST_LOST))
+        for drawn in itertools.product(range(10), range(8))
+    ],
+)
+def test_many_stiffnesses_of_every_size(seed: int, kind: int) -> None:
     rng = np.random.default_rng(seed)
     for _ in range(4):
         system = random_system(rng, kind)

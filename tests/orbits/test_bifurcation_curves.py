@@ -207,13 +207,14 @@ def mathieu_branch(a: float, b: float, c: float, over: tuple[float, float]) -> f
     return fr.follow(fr.periodic_orbit(system, [0.0, 0.0]), {"a": over}, longest=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("a", "kind", "c"),
     [
-        pytest.param(0.05, "period doubling", 0.05, marks=pytest.mark.slow),
-        pytest.param(0.05, "period doubling", 0.0, marks=pytest.mark.slow),
-        pytest.param(0.75, "branch point", 0.05, marks=pytest.mark.slow),
-        pytest.param(0.75, "branch point", 0.0, marks=pytest.mark.slow),
+        (0.05, "period doubling", 0.05),
+        (0.05, "period doubling", 0.0),
+        (0.75, "branch point", 0.05),
+        (0.75, "branch point", 0.0),
     ],
 )
 def test_edges_of_mathieus_tongues(a: float, kind: str, c: float) -> None:
@@ -292,7 +293,7 @@ def points_by_both_ways(family: Drawn, share: float, longest: float) -> tuple[fl
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "duffing")) for name in DRAWN])
+@pytest.mark.parametrize("name", DRAWN)
 def test_a_point_of_a_curve_is_the_one_that_a_branch_has(name: str) -> None:
     by_curve, by_branch, errors = points_by_both_ways(DRAWN[name], 0.37, 0.3)
     assert abs(by_curve - by_branch) <= errors + 1e-12

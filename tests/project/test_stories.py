@@ -301,7 +301,7 @@ def test_the_value_of_order_50_and_that_of_scipy() -> None:
 def test_my_equation_solved_in_z(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     text = (HOW_TO / "my_equation.md").read_text(encoding="utf-8")
-    # a class of one's own, under a heading of its own, takes more
+    # The page's last part defines a class, which takes more lines.
     assert max(len(lines) for heading, lines in own_code(text) if not heading.startswith("An equation of my own")) < 10
     names = execute(text)
     with mpmath.workdps(20):
