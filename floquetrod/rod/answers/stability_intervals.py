@@ -9,7 +9,7 @@ from decimal import ROUND_CEILING, Context, Decimal
 from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from floquetrod import units
-from floquetrod._util import validate
+from floquetrod._util import suggest, validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interchange import by_keys
@@ -360,8 +360,8 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         """Return the safe ranges, and a table of the unstable bands: fastest growth, where, damping required, mode.
 
         Numbers have three digits, of the value or of the width searched where that is less; safe ranges are rounded
-        inwards, bands outwards.  Bands narrower than the last digit are counted, with the fastest growth in them, and
-        not listed.
+        inwards, bands outwards.  Bands narrower than the last digit are no rows of the table: above it stand their
+        number, their middles and the fastest growth in them.
 
         Parameters
         ----------
@@ -436,7 +436,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         width, unit = high - low, shown.name
         listed = self._listed(shown)
         lines = [("searched", f"{self.quantity} from {low:.6g} to {high:.6g} {unit}; {self.note}")]
-        left_out = self._left_out(listed, shown, width, unstable)
+        left_out = self._left_out(listed._replace(thin=(), narrow=0) if full else listed, shown, unstable)
         lines += [("left out" if i == 0 else "", text) for i, text in enumerate(left_out)]
         for gap in self.not_computed:
             at = f"axial resonance at {shown.show(gap.resonance.frequency)}"
@@ -461,19 +461,20 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         others: list[StabilityInterval | AxialGap] = [*self.intervals, *self.not_computed]
         return [gap[:2] for gap in complement(self.bounds, others)]
 
-    def _left_out(
-        self, listed: ListedRanges, shown: units.Unit, width: float, unstable: tuple[UnstableBand, ...]
-    ) -> list[str]:
-        """Return the numbers of intervals that are counted and not listed."""
+    def _left_out(self, listed: ListedRanges, shown: units.Unit, unstable: tuple[UnstableBand, ...]) -> list[str]:
+        """Return what the table leaves out, so that a reader who adds up its rows misses no band."""
         texts = []
         if count := len(listed.thin):
             thin = [band for band in unstable if band[:2] in listed.thin]
             fastest = max(thin, key=lambda band: band.worst_growth, default=None)
             grows = ""
             if fastest is not None:
-                at = shown.show(fastest.at, 4)
-                grows = f"; the fastest growth in them is {fastest.worst_growth:.3g} 1/s, at {at}"
-            texts.append(f"{count} unstable band{'s' * (count > 1)} narrower than the last digit shown{grows}")
+                at = f", at {shown.show(fastest.at, 4)}" if count > 1 else ""
+                grows = f"; fastest growth {fastest.worst_growth:.3g} 1/s{at}"
+            middles = suggest.listed([f"{shown.of(0.5 * sum(band)):.4g}" for band in listed.thin])
+            places = f"{'their middles' if count > 1 else 'its middle'} in {shown.name}: {middles}"
+            bands = f"{count} unstable band{'s' * (count > 1)} narrower than the last digit shown"
+            texts.append(f"{bands}, {places}{grows}")
         if listed.narrow:
             are = "ranges" if listed.narrow > 1 else "range"
             texts.append(f"{listed.narrow} safe {are} narrower than the last digit shown")

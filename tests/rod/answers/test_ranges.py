@@ -371,3 +371,23 @@ def test_tongues_thinner_than_rounding_end_a_search() -> None:
     """Far below the modes' frequencies ends of tongues are neighbouring doubles, between which no place is left."""
     rod = fr.Rod.nitinol()
     assert rod.critical("amplitude", mean=0.3, frequency=0.1) == pytest.approx(1.389778981186, rel=1e-11)
+
+
+def test_bands_too_thin_for_the_table_stand_above_it() -> None:
+    """Whoever adds up the rows and the middles above them has every unstable band, and the full table is whole."""
+    found = ROD.ranges("frequency", mean=0.3 * FCR, amplitude=0.1 * FCR, bounds=("15Hz", "40Hz"), growth_tolerance=0.01)
+    report, full = found.report(), found.report(full=True)
+    (above,) = [text for _, text in report.lines if "unstable band" in text]
+    count = int(above.split()[0])
+    middles = [float(each) for each in above.split(" in Hz: ")[1].split(";")[0].split(", ")]
+    assert report.table is not None
+    rows = [[float(end) for end in row[0].split(" to ")] for row in report.table.rows]
+    hertz = [(band.low / math.tau, band.high / math.tau) for band in found.unstable]
+    assert len(middles) == count > 0
+    assert len(rows) + count == len(hertz)
+    for low, high in hertz:
+        listed = any(first <= low and high <= last for first, last in rows)
+        assert listed != any(abs(middle - 0.5 * (low + high)) <= 5e-3 for middle in middles)
+    assert not any("narrower than the last digit" in text for _, text in full.lines)
+    assert full.table is not None
+    assert len([row for row in full.table.rows if row[1] == "unstable"]) == len(hertz)
