@@ -138,7 +138,7 @@ class Members(Family):
     def subject(self) -> dict[str, Any]:
         """Return the kinds of members, fixed arguments, and the name of a user's function, where it has one."""
         function = self.function
-        own = isinstance(function, FunctionType) and not function.__module__.startswith("floquetrod.")
+        own = isinstance(function, FunctionType) and not (function.__module__ or "").startswith("floquetrod.")
         name = function.__name__ if own else ""
         named = {"name": name} if name.isidentifier() else {}  # as "<lambda>" is not
         return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(entry) for entry in self.fixed]} | named

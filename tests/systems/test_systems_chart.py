@@ -173,6 +173,13 @@ def test_a_saved_chart_loads_identically(growth: bool, tmp_path: Path) -> None:
     assert fr.Chart.load(chart.save(tmp_path / "chart.npz")) == chart
 
 
+def test_a_function_of_no_module_is_charted_under_its_name() -> None:
+    known = {"coupled": coupled}
+    exec("def by_hand(omega, epsilon): return coupled(omega, epsilon)", known)
+    assert known["by_hand"].__module__ is None
+    assert fr.chart(known["by_hand"], over=OVER).subject["name"] == "by_hand"
+
+
 def test_a_plot_is_labelled() -> None:
     chart = fr.chart(coupled, over=OVER, growth=True)
     axes = chart.plot()
