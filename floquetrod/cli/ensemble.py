@@ -34,7 +34,6 @@ examples:
   floquetrod ensemble study.toml
   floquetrod ensemble study.toml --store runs.zarr --workers 8
   floquetrod ensemble study.toml --out buckling.png --out runs.csv
-  floquetrod ensemble study.toml --out buckling.png --over length,mean
   floquetrod ensemble study.toml --store runs.zarr --part 3/100
 
 a study file, in which strings may carry units:
@@ -90,7 +89,8 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--over",
         metavar="NAME,NAME",
-        help="two varied quantities: the figure shows each run over both (default: the two that are drawn, if two are)",
+        help="two varied quantities, such as length,mean: the figure shows each run over both (default: the two that "
+        "are drawn, if two are)",
     )
     command.add_argument(
         "--confidence", metavar="SHARE", type=ratio, default=0.95, help="of the intervals (default 0.95)"
@@ -146,13 +146,21 @@ def _ensemble(options: argparse.Namespace) -> Output:
 
 def _plane(study: fr.Study, options: argparse.Namespace) -> tuple[str, ...] | None:
     """Return the quantities of --over; ValueError, before anything runs, unless they are two that the study varies."""
+    from floquetrod.rod.distributions import quantile_function
+
     if options.over is None:
         return None
-    names, varied = tuple(name.strip() for name in options.over.split(",")), [*study.over]
+    names = tuple(name.strip() for name in options.over.split(","))
+    # Seeds are no quantity, and one value alone, or a value again and again, does not vary.
+    varied = [
+        name
+        for name, given in study.over.items()
+        if name != "seed" and (quantile_function(given) is not None or len(set(given)) > 1)
+    ]
     if len(set(names)) != 2 or len(names) != 2 or not set(names) <= set(varied):
         raise ValueError(
-            f"--over must be two quantities of [over] in {study.path} ({', '.join(varied)}), with a comma between, "
-            f"got {options.over!r}"
+            f"--over must be two quantities that vary in [over] of {study.path}, with a comma between; these are "
+            f"{', '.join(varied) or 'none'}; got {options.over!r}"
         )
     if not any(path.suffix != ".csv" for path in options.out or ()):
         raise ValueError("--over is about a figure: name one with --out, such as --out buckling.png")

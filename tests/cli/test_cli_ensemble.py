@@ -203,11 +203,14 @@ def test_failures_are_grouped_by_their_reason(tmp_path: Path, capsys: pytest.Cap
     assert re.search(r"\n +40 +0, 2 failed +-  0\.000 to 1\.000 +up to 1\.000\n", out)
 
 
-@pytest.mark.parametrize("over", ["length", "length,length", "length,bore"])
-def test_over_is_two_quantities_of_the_study(over: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = written(tmp_path)
-    assert cli.main(["ensemble", path, "--out", str(tmp_path / "a.png"), "--over", over]) == 2
-    assert "--over must be two quantities of [over]" in capsys.readouterr().err
+@pytest.mark.parametrize("over", ["kick", "kick,kick", "kick,bore", "kick,seed", "kick,friction"])
+def test_over_is_two_quantities_that_vary(over: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = 'kick = ["10mm/s", "0.9m/s"]\nseed = [1, 2]\nfriction = [0.1]\nlength = {lengths}'
+    lengths = '{distribution = "normal", mean = "3.1m", deviation = "5mm"}'
+    path = written(tmp_path, over=body.replace("{lengths}", lengths))
+    said = refused(capsys, path, "--out", str(tmp_path / "a.png"), "--over", over)
+    assert "--over must be two quantities that vary in [over]" in said
+    assert f"these are kick, length; got {over!r}" in said
 
 
 @pytest.mark.filterwarnings("default::floquetrod.ResolutionWarning")
