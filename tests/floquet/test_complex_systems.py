@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import re
@@ -57,9 +58,9 @@ def drawn(rng: np.random.Generator, *, unitary: bool, real: bool = False) -> fr.
     return fr.PeriodicSystem(mean, [matrix(0.4) for _ in range(count)], [matrix(0.3)] * (count > 1), period=period)
 
 
-def map_over_period(system: fr.PeriodicSystem) -> NDArray[Any]:
-    """Return the map over a period by DOP853, from one jump to the next."""
-    n, begin, total = system.order, 0.0, np.eye(system.order, dtype=complex)
+def maps_over_pieces(system: fr.PeriodicSystem) -> list[NDArray[Any]]:
+    """Return the maps from one jump to the next by DOP853, of a system without jumps the one over its period."""
+    n, begin, maps = system.order, 0.0, []
     for duration, value in system.pieces or [(system.period, None)]:
         rates: Any = system.coefficient if value is None else lambda t, value=value: value.start
         span = (begin, begin + float(duration))
@@ -68,9 +69,10 @@ def map_over_period(system: fr.PeriodicSystem) -> NDArray[Any]:
             """Return dx/dt of the map, flat."""
             return (rates(t) @ x.reshape(n, n)).ravel()
 
-        total = solve_ivp(right, span, total.ravel(), method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1].reshape(n, n)
+        start = np.eye(n, dtype=complex).ravel()
+        maps.append(solve_ivp(right, span, start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1].reshape(n, n))
         begin = span[1]
-    return total
+    return maps
 
 
 def apart(one: Any, other: Any) -> float:
@@ -155,12 +157,13 @@ def test_many_drawn_systems(unitary: bool, rng: np.random.Generator) -> None:
 def check(rng: np.random.Generator, *, unitary: bool, count: int) -> None:
     for i in range(count):
         system = drawn(rng, unitary=unitary, real=unitary and i % 5 == 0)
-        multipliers = np.linalg.eigvals(map_over_period(system))
+        maps = maps_over_pieces(system)
+        multipliers = np.linalg.eigvals(functools.reduce(lambda before, after: after @ before, maps))
         result = fr.stability(system)
         assert result.multipliers == pytest.approx(fr.stability(system).multipliers)
         scale = max(1.0, float(np.abs(multipliers).max()))
         assert apart(result.multipliers, multipliers) < 1e-8 * scale + 2.0 * max(result.multiplier_errors), system
-        assert apart(fr.systems.multipliers(system), multipliers) < 1e-8 * scale, system
+        check_batch(fr.systems.multipliers(system), multipliers, maps, unitary=unitary)
         largest = float(np.abs(multipliers).max())
         if unitary:
             assert result.stable
@@ -171,6 +174,31 @@ def check(rng: np.random.Generator, *, unitary: bool, count: int) -> None:
             assert fr.systems.is_stable(system) == result.stable
         gaps = [abs(e.imag) * result.period for e in result.exponents]
         assert max(gaps) <= math.pi * (1.0 + 1e-14)
+
+
+def check_batch(batch: Any, multipliers: Any, maps: list[NDArray[Any]], *, unitary: bool) -> None:
+    """Check multipliers of `systems.multipliers`: all of a system that keeps the norm, else NaN where they are lost.
+
+    The rounding in which they are lost grows as the product of the norms of the maps.
+    """
+    known = batch[: np.count_nonzero(np.isfinite(batch))]
+    assert np.isfinite(known).all(), "NaN are last"
+    assert len(known) == len(multipliers) or not unitary
+    assert len(known) > 0
+    gaps = np.abs(known[:, None] - multipliers[None, :])
+    rows, columns = linear_sum_assignment(gaps)
+    assert gaps[rows, columns].max() < 1e-8 * max(1.0, float(np.abs(multipliers).max()))
+    rounding = 1e-8 * math.prod(float(np.linalg.norm(matrix, 2)) for matrix in maps)
+    assert np.abs(np.delete(multipliers, columns)).max(initial=0.0) < rounding
+
+
+def test_multipliers_lost_in_the_rounding_of_the_largest_are_nan_in_a_batch() -> None:
+    system = fr.PeriodicSystem(np.diag([25.0 + 1j, 1j, -25.0]), [0.1 * np.eye(3)], period=1.0)
+    batch = fr.systems.multipliers(system)
+    assert np.isnan(batch).tolist() == [False, True, True]
+    expected = np.exp([25.0 + 1j, 1j, -25.0])
+    check_batch(batch, expected, [np.diag(expected)], unitary=False)
+    assert fr.stability(system).multipliers == pytest.approx(expected, rel=1e-6)
 
 
 def test_batches_are_the_single_answers(rng: np.random.Generator) -> None:
