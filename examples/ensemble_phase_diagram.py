@@ -20,7 +20,7 @@ load = fr.AxialLoad(mean=0.3 * unit, amplitude=0.2 * unit, frequency=150.0)
 # The problem holds what all rods have in common: no friction, and a small random speed of every node.  A run ends once
 # its rod has clearly buckled, which saves half of the time.
 problem = fr.SimulationProblem(
-    rod, load, duration=1.2, segments=40, stop_early=True, perturbation=fr.Perturbation.random(0.01, seed=1)
+    rod, load, duration=1.2, segments=48, stop_early=True, perturbation=fr.Perturbation.random(0.01, seed=1)
 )
 over = {"mean": np.linspace(0.05, 0.6, 6) * unit, "amplitude": np.linspace(0.05, 0.4, 3) * unit}
 runs = fr.ensemble(problem, over=over)
