@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import floquetrod as fr
 from floquetrod import cli
@@ -358,6 +359,9 @@ def test_concurrency_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Ge
     drifting = {f"call {k}": calls.Call(lambda: next(names), {}) for k in range(6)}
     monkeypatch.setattr(concurrency, "table", lambda: drifting)
     assert concurrency.threads(rng).failures
+    growing = {f"call {k}": calls.Call(lambda: _titled(next(names)), {}) for k in range(6)}
+    monkeypatch.setattr(concurrency, "table", lambda: growing)
+    assert len(concurrency.threads(rng).failures) == 6
     elsewhere = {f"call {k}": calls.Call(os.getpid, {}) for k in range(6)}
     monkeypatch.setattr(concurrency, "table", lambda: elsewhere)
     # In forks: every tenth time it would be in fresh processes, which take seconds.
@@ -365,6 +369,13 @@ def test_concurrency_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Ge
     monkeypatch.setattr(concurrency, "LONG", {"deaf": deaf})
     monkeypatch.setattr(concurrency, "PROMPT", 0.3)
     assert "does not hear" in concurrency.interrupts(rng).failures[0]
+
+
+def _titled(number: int) -> Any:
+    """Return axes that bear a number."""
+    ax = Figure().subplots()
+    ax.set_title(str(number))
+    return ax
 
 
 @dataclasses.dataclass

@@ -290,7 +290,7 @@ def table() -> dict[str, Call]:
     run = simulation()
     run.save(place / "run.npz")
     given = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
-    sheet = "\n".join(f"{name} = {value!r}" for name, value in given.items() if value is not None)
+    sheet = "\n".join(f"{name} = {value!r}" for name, value in given.items() if value not in (None, ()))
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
     (place / "study.toml").write_text(STUDY, encoding="utf-8")
     good = system_files()[0].read_text(encoding="utf-8")
@@ -549,7 +549,7 @@ def _of_wells() -> dict[str, Call]:
         "WellPath.from_csv": Call(
             fr.WellPath.from_csv,
             {"path": survey_file(), "depth": 0, "inclination": "Inc (deg)", "azimuth": 2, "depth_unit": "m"}
-            | {"angle_unit": "deg", "delimiter": ",", "sheet": None, "to": 1500.0},
+            | {"angle_unit": "deg", "delimiter": ",", "sheet": None, "to": 1400.0},
         ),
         "WellPath.projected": Call(fr.WellPath.from_csv(survey_file()).projected, {"to": 1400.0}),
         "WellPath.arc": Call(fr.WellPath.arc, arc),

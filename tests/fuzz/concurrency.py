@@ -16,6 +16,10 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import floquetrod as fr
 from tests.fuzz import apart, runs
@@ -43,6 +47,11 @@ def check(rng: np.random.Generator) -> Found:
     return kinds[int(rng.choice(len(kinds), p=weights))](rng)
 
 
+def see(name: str) -> Any:
+    """Return the answer to one call of the table, of a picture its pixels."""
+    return _seen(ask(name))
+
+
 def _calls() -> list[str]:
     return sorted(name for name in table() if name not in QUIET)
 
@@ -56,10 +65,10 @@ def ask(name: str) -> Any:
 def threads(rng: np.random.Generator) -> Found:
     """Let eight threads ask the same few questions in any order: each answer is that of one thread alone."""
     names = [str(name) for name in rng.choice(_calls(), 6, replace=False)]
-    alone = {name: ask(name) for name in names}
+    alone = {name: see(name) for name in names}
     order = [str(name) for name in rng.permutation(names * 4)]
     with ThreadPoolExecutor(8) as pool:
-        answers = list(pool.map(ask, order))
+        answers = [_seen(answer) for answer in list(pool.map(ask, order))]
     wrong = sorted({name for name, found in zip(order, answers, strict=True) if not _alike(alone[name], found)})
     return Found(len(order), [f"in eight threads {name} answers something else" for name in wrong])
 
@@ -70,10 +79,10 @@ def forks(rng: np.random.Generator) -> Found:
     fresh = rng.random() < 0.1
     failures = []
     for name in names:
-        done, found = _spawned(name) if fresh else apart.answer(functools.partial(ask, name))
+        done, found = _spawned(name) if fresh else apart.answer(functools.partial(see, name))
         if not done:
             failures.append(f"{name} in a fork: {found}")
-        elif not _alike(ask(name), found):
+        elif not _alike(see(name), found):
             failures.append(f"{name} in another process answers something else")
     return Found(len(names), failures)
 
@@ -117,18 +126,33 @@ def _asked(name: str) -> None:
 
 def _spawned(name: str) -> tuple[bool, Any]:
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        task = pool.submit(ask, name)
+        task = pool.submit(see, name)
         return (False, task.exception()) if task.exception() else (True, task.result())
 
 
 def _alike(one: Any, other: Any) -> bool:
-    """Return whether two answers are the same; pictures and iterators are only asked for their type."""
+    """Return whether two answers are the same."""
     if type(one) is not type(other):
         return False
     try:
         return runs.same(one, other)
     except (ValueError, TypeError):
         return False
+
+
+def _seen(answer: Any) -> Any:
+    """Return an answer; of a figure, its axes or an array of axes the pixels, and close the figure.
+
+    To be called in one thread, since matplotlib draws in one only, and once, since a second layout may move axes.
+    """
+    first = answer.flat[0] if isinstance(answer, np.ndarray) and answer.dtype == object and answer.size else answer
+    figure = first.get_figure(root=True) if isinstance(first, Axes) else first
+    if not isinstance(figure, Figure):
+        return answer
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pyplot.close(figure)
+    return np.array(canvas.buffer_rgba())
 
 
 LONG: dict[str, Callable[[], Any]] = {
