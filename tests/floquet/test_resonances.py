@@ -93,3 +93,23 @@ def test_what_is_lost_in_rounding_has_no_name() -> None:
     assert {r.growth_rate for r in found.resonances} <= set(certain)
     nearby = rod.stability(load.varied("mean", load.mean * (1.0 + 1e-14)))
     assert nearby.unstable_modes == found.unstable_modes
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("a", "q", "tongue"), [(0.347, 10.0, 2), (-2.0, 5.0, 1), (-5.0, 9.0, 1), (-10.0, 30.0, 2), (-5.0, 1.0, 0)]
+)
+def test_one_equation_is_named_by_its_tongue(a: float, q: float, tongue: int, damping: float) -> None:
+    """Far above q = 0, too, where the nearest multiple of the frequency is another one: both doors give one number."""
+    of_one = fr.HillSystem([[3.0 * a]], [[[-6.0 * q]]], mass=[[3.0]], damping=[[6.0 * damping]], period=math.pi)
+    (found,) = fr.stability(of_one).resonances
+    known = fr.stability(fr.Mathieu.from_aq(a, q, damping)).interval
+    assert known == ("tongue", tongue)
+    assert (found.kind, found.modes, found.order) == ("direct" if tongue else "buckling", (1,), tongue)
+
+
+def test_the_tongue_of_one_equation_with_sines() -> None:
+    sines = fr.HillSystem([[0.5]], [[[3.0]], [[1.0]]], [[[2.0]], [[-2.5]]], period=math.pi)
+    hill = fr.stability(fr.Hill(-0.5, (-3.0, -1.0), (-2.0, 2.5), period=math.pi), method="spectral")
+    (found,) = fr.stability(sines).resonances
+    assert hill.interval == ("tongue", found.order)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import EPS
 from floquetrod.equations import Equation, Mathieu, MathieuAQ, in_tau
 from floquetrod.floquet import registry
+from floquetrod.floquet.hill_count import MOST_ROWS, hill_count
 from floquetrod.floquet.kernels import mathieu_discriminant as kernels
 from floquetrod.floquet.mathieu_chains.certain_count import certain_count
 from floquetrod.floquet.status import status_of_count
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
-_MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
 _LARGEST_ERROR = 1e-3  # of the excess, relative: beyond it the growth rate is no longer worth stating (a choice)
 
 
@@ -91,27 +91,18 @@ def _mathieu(equation: Mathieu | MathieuAQ) -> Stability:
 
 
 def _hill(equation: Equation) -> Stability:
-    # First the count, which decides: N(H_K) and N(H_K - C C* / delta) with K = ``cut`` harmonics (head of `spectral`),
-    # K doubled until both agree, from where ((K + 1) W)^2 exceeds the coefficient.  Then the growth: the Floquet
-    # exponent as an eigenvalue of Hill's truncated pencil, for K and K + 4, whose difference is the estimate of the
-    # truncation.  W = ``turn`` = 2 pi / period; mean includes c^2, so that exponents are those of the equation without
-    # damping.
+    # First the count, which decides (`hill_count`, K = ``cut`` harmonics).  Then the growth: the Floquet exponent as an
+    # eigenvalue of Hill's truncated pencil, for K and K + 4, whose difference is the estimate of the truncation.
+    # W = ``turn`` = 2 pi / period; mean includes c^2, so that exponents are those of the equation without damping.
     (piece,) = equation.pieces()
     harmonics = np.array(piece.harmonics, dtype=np.complex128)
     mean = float(piece.start) + equation.damping**2
     bound = float(np.abs(harmonics).sum())
     turn = 2.0 * math.pi / equation.period
-    cut = math.ceil(math.sqrt(abs(mean) + 2.0 * bound) / turn) + len(harmonics) + 8
-    below: int | None = None
-    rows = 0
-    while 2 * cut + 2 <= _MOST_ROWS:
-        below, settled = _banded_count(mean, harmonics, bound, turn, cut)
-        rows += 4 * cut
-        if below is not None or not settled:
-            break
-        cut *= 2
-    else:
-        note = f"needs Hill matrices of more than {_MOST_ROWS} rows; use method='monodromy'"
+    count = hill_count(mean, harmonics, turn)
+    below, cut, rows = count.below, count.cut, count.rows
+    if count.is_too_large:
+        note = f"needs Hill matrices of more than {MOST_ROWS} rows; use method='monodromy'"
         return Stability.declined(equation, "spectral", Cost(rows, "rows"), note)
     status = status_of_count(below)
     coarse = _central_exponent(mean, harmonics, turn, cut)
@@ -139,48 +130,6 @@ def _hill(equation: Equation) -> Stability:
         cost=Cost(rows + 8 * cut, "rows"),
         note=note,
     )
-
-
-def _bands(mean: float, harmonics: NDArray[Any], frequencies: NDArray[Any], correction: float) -> NDArray[Any]:
-    """Return the lower bands of H, less C C* times ``correction`` at both ends."""
-    size, width = len(frequencies), len(harmonics)
-    bands = np.zeros((width + 1, size), dtype=np.complex128)
-    bands[0] = frequencies**2 + mean
-    for j in range(1, width + 1):
-        bands[j, : size - j] = 0.5 * harmonics[j - 1]
-    if correction > 0.0 and width:
-        # C couples the last `width` rows to the rows beyond; C C* is the Gram matrix of those couplings.
-        couplings = np.zeros((width, width), dtype=np.complex128)
-        for row in range(width):
-            for j in range(row + 1, width + 1):
-                couplings[width - 1 - row, j - row - 1] = 0.5 * np.conj(harmonics[j - 1])
-        gram = couplings @ couplings.conj().T * correction
-        for i in range(width):
-            for j in range(i + 1):
-                bands[i - j, size - width + j] -= gram[i, j]
-                # The other end is the mirror image: row r from the end there couples with conjugate amplitudes.
-                bands[i - j, width - 1 - i] -= gram[i, j]
-    return bands
-
-
-def _banded_count(mean: float, harmonics: NDArray[Any], bound: float, turn: float, cut: int) -> tuple[int | None, bool]:
-    """Return the exact count of eigenvalues below zero (None if the ends differ) and whether none is close to zero."""
-    from scipy.linalg import eigvals_banded
-
-    delta = ((cut + 0.5) * turn) ** 2 + mean - bound
-    if delta <= 0.0:
-        return None, True
-    counts = []
-    for correction in (0.0, 1.0 / delta):
-        total = 0
-        for frequencies in (np.arange(-cut, cut + 1.0) * turn, (np.arange(-cut, cut) + 0.5) * turn):
-            values = eigvals_banded(_bands(mean, harmonics, frequencies, correction), lower=True)
-            norm = max(abs(values[0]), abs(values[-1]))
-            if np.abs(values).min() <= len(values) * EPS * norm:
-                return None, False
-            total += int((values < 0.0).sum())
-        counts.append(total)
-    return (counts[0] if counts[0] == counts[1] else None), True
 
 
 def _central_exponent(mean: float, harmonics: NDArray[Any], turn: float, cut: int) -> complex:

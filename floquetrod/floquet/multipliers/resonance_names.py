@@ -1,4 +1,7 @@
-"""Names of growing solutions: which natural frequencies of the mean system combine with the forcing.  A heuristic."""
+"""Names of growing solutions: which natural frequencies of the mean system combine with the forcing.
+
+A heuristic, except for one equation of second order, whose tongue is counted.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,8 @@ from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.equations.pieces import fourier
+from floquetrod.floquet.hill_count import hill_count
+from floquetrod.floquet.verdict import Interval
 
 Ints = NDArray[np.intp]
 
@@ -78,6 +83,9 @@ def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[
     # The frequencies of second moments are sums and differences of the natural ones; complex modes have no conjugates.
     if system.MEANING or (isinstance(system, PeriodicSystem) and system.is_complex):
         return ()
+    if growing and (tongue := _tongue(system)) is not None:
+        kind: Literal["direct", "buckling"] = "direct" if tongue else "buckling"
+        return (Resonance(kind, (1,), tongue, growing[0].real),)
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
     modes = _mean_modes(system) if growing and equations <= _MOST_MODES else None
     if modes is None or len(modes.poles) > _MOST_MODES:
@@ -92,6 +100,24 @@ def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[
             best = min(candidates, key=lambda candidate: candidate[:3]).name
             names.setdefault((best.kind, best.modes, best.order), best)
     return tuple(names.values())
+
+
+def _tongue(system: HillSystem | PeriodicSystem) -> int | None:
+    """Return in which tongue of Hill's equation one equation of second order lies, its damping removed.
+
+    None for other systems, with jumps, and where it lies in no tongue, or cannot be counted.
+    """
+    if not isinstance(system, HillSystem) or system.order > 1 or system.pieces:
+        return None
+    mass = 1.0 if system.mass is None else float(system.mass[0, 0])
+    damping = 0.0 if system.damping is None else 0.5 * float(system.damping[0, 0]) / mass
+    mean = damping**2 - float(system.stiffness[0, 0]) / mass
+    harmonics = -np.asarray(system.harmonics, dtype=np.complex128)[:, 0, 0] / mass
+    below = hill_count(mean, harmonics, 2.0 * math.pi / float(system.period)).below
+    if below is None:
+        return None
+    interval = Interval.from_count(below)
+    return interval.order if interval.kind == "tongue" else None
 
 
 def _by_multipliers(system: DelaySystem, growing: list[complex]) -> tuple[Resonance, ...]:

@@ -85,8 +85,9 @@ class SystemStability(FloquetVerdict):
 
     @cached_property
     def resonances(self) -> tuple[Resonance, ...]:
-        """Names of the growing solutions, the fastest first; they are heuristic and do not affect the verdict.
+        """Names of the growing solutions, the fastest first; they do not affect the verdict.
 
+        They are heuristic, except for one equation of second order without jumps, whose tongue is counted.
         Solutions whose growth is below its error have none, unless it is the fastest.
         """
         if self.status != "unstable":
