@@ -306,10 +306,14 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         Raises
         ------
         TypeError, ValueError
-            For a path that is no text or path.
+            For a path that is no text or path, and for the name of a table or a picture.
         OSError
             Where the file cannot be written.
         """
+        path = validate.path("path", path)
+        if path.suffix.lower() in (".csv", ".png", ".pdf", ".svg"):
+            remedy = "bands.to_csv(path)" if path.suffix.lower() == ".csv" else "plot().figure.savefig(path)"
+            raise ValueError(f"path must be the name of an npz file, got {path.name!r}; {remedy} writes that")
         arrays = {"x": self.x.values, "y": self.y.values} | self._over_points()
         axes = {name: [axis.name, axis.symbol, axis.unit] for name, axis in (("x", self.x), ("y", self.y))}
         meta: dict[str, Any] = {"format": _FORMAT} | axes | {name: getattr(self, name) for name in _ENTRIES}

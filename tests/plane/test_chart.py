@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import IO
@@ -128,6 +129,15 @@ def test_a_saved_chart_loads_identically(tmp_path: Path, growth: bool) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["map.npz"]
     tolerant = fr.mathieu.chart((0.0, 3.0, 6), (-2.0, 0.5, 5), growth_tolerance=0.3)
     assert fr.Chart.load(tolerant.save(tmp_path / "tolerant.npz")) == tolerant
+
+
+@pytest.mark.parametrize(("name", "remedy"), [("map.csv", "bands.to_csv"), ("map.PNG", "plot().figure.savefig")])
+def test_a_save_under_the_name_of_a_table_or_a_picture_names_what_writes_it(
+    tmp_path: Path, name: str, remedy: str
+) -> None:
+    with pytest.raises(ValueError, match=f"npz file, got '{name}'; {re.escape(remedy)}"):
+        small_map().save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_save_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
