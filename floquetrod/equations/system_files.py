@@ -39,6 +39,7 @@ _COMPLEX = ("mean", "matrix_start", "slope", "cosines", "sines")
 _REAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBER = re.compile(rf"(?P<real>[+-]?{_REAL}(?![\d.eE]*[ij]))?(?:(?P<imaginary>[+-]?(?:{_REAL})?)[ij])?")
 _SMALL = 1 << 20  # entries of an array that is read unchecked (a choice)
+_FORMULAS = "formulas need a table [parameters], which may be empty"
 _QUANTITIES = ("period", "frequency", "delay", "duration")  # keys whose texts may have a unit
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, in npz files unpacked (a choice)
 
@@ -94,7 +95,8 @@ def read_system(
     try:
         return _system(_at_values(table, values))
     except (TypeError, ValueError) as error:
-        raise ValueError(f"system file {path}: {error}") from None
+        remedy = "" if "parameters" in table or not _holds_formula(table) else f"; {_FORMULAS}"
+        raise ValueError(f"system file {path}: {error}{remedy}") from None
 
 
 def read_family(path: str | Path) -> SystemFamily:
@@ -118,6 +120,19 @@ def read_family(path: str | Path) -> SystemFamily:
         return _family(text, path.stem)
     except (TypeError, ValueError) as error:
         raise ValueError(f"system file {path}: {error}") from None
+
+
+def _holds_formula(value: Any) -> bool:
+    """Return whether a text in a table is a formula, such as "2*pi", and no number."""
+    if isinstance(value, dict | list):
+        return any(map(_holds_formula, value.values() if isinstance(value, dict) else value))
+    if not isinstance(value, str):
+        return False
+    try:
+        Formula.read(value)
+        return not value.strip().replace(".", "").isdigit()
+    except ValueError:
+        return False
 
 
 def _toml(path: Path) -> Mapping[str, Any]:

@@ -224,7 +224,12 @@ def test_every_matrix_is_read(tmp_path: Path) -> None:
         (COUPLED + "period = 0", "period must be greater than zero, got 0"),
         (COUPLED + "period = nan", "period must be finite, got nan"),
         (COUPLED + "period = true", "period must be a number with a time unit"),
-        (COUPLED + 'period = "2 Hz"', "period must be a number with a time unit .* unit 'Hz' is not understood"),
+        (
+            COUPLED + 'period = "2 Hz"',
+            "period must be a number with a time unit .* unit 'Hz' is not understood; it is a unit of frequency\n$",
+        ),
+        (COUPLED + 'period = "pi"', r"'pi'.*; formulas need a table \[parameters\], which may be empty"),
+        ('[system]\nstiffness = [["2*pi"]]', r"real numbers, got .*; formulas need a table \[parameters\]"),
         (COUPLED + "frequency = [1]", "frequency must be a number with a frequency unit"),
         (COUPLED + "frequency = 1e-320", "period must be finite|frequency must"),
         (COUPLED + f"period = 1{'0' * 400}", "period must be finite, got an integer beyond 1e308"),
