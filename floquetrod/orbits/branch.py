@@ -192,7 +192,8 @@ class Branch(ByContent, Printed, NoTruthValue):
         Returns
         -------
         xarray.Dataset
-            Status, period, least and largest states and multipliers of each orbit.
+            Status, period, least and largest states and multipliers of each orbit; the parameters as coordinates, those
+            that the branch keeps without a dimension.
 
         Raises
         ------
@@ -204,13 +205,16 @@ class Branch(ByContent, Printed, NoTruthValue):
         data |= {name: (("orbit", "state"), getattr(self, name)) for name in ("largest", "least", "amplitude")}
         data |= {name: (("orbit", "multiplier"), getattr(self, name)) for name in ("multipliers", "multiplier_errors")}
         points = self.special_points
+        coordinates: dict[str, Any] = {self.parameter: ("orbit", self.values)}
+        kept = {name: value for name, value in self.system.parameters.items() if name != self.parameter}
+        coordinates |= {f"parameter_{name}" if name in data else name: value for name, value in kept.items()}
         attributes = {"parameter": self.parameter, "begins": self.ends[0], "ends": self.ends[1]}
         if not points:  # an empty dimension would leave a DataFrame of xarray without rows
-            return xarray.Dataset(data, {self.parameter: ("orbit", self.values)}, attributes)
+            return xarray.Dataset(data, coordinates, attributes)
         data["special_kind"] = ("special_point", np.array([point.kind for point in points], dtype=str))
         data["special_value"] = ("special_point", np.array([point.value for point in points], dtype=float))
         data["special_error"] = ("special_point", np.array([point.error for point in points], dtype=float))
-        return xarray.Dataset(data, {self.parameter: ("orbit", self.values)}, attributes)
+        return xarray.Dataset(data, coordinates, attributes)
 
     def save(self, path: str | Path) -> Path:
         """Write everything but the function of the system to an npz file.

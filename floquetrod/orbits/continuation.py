@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import CurvePoint, Measure
-from floquetrod.orbits.collocation import BorderRow, Collocation, Point
+from floquetrod.orbits.collocation import BorderRow, Collocation, Point, gauss
 from floquetrod.orbits.crossings import OrbitMultipliers, Tests, multipliers_of, tests
 from floquetrod.orbits.finding import Compared
 from floquetrod.orbits.newton import NoOrbitError
@@ -241,11 +242,36 @@ class Continuation:
     def _require_motion(self, sample: Sample) -> None:
         """Raise Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
         if has_shrunk(self.sample.orbit, sample.orbit, self.measure.scale):
-            where = f"{self.task.parameter} = {self._rest(sample):.6g}"
+            value, error = self._rest(sample)
+            where = f"{self.task.parameter} = {value:.9g} +- {error:.1g}"
             raise Ended(f"the orbit shrinks to a state of rest ({HOPF}) near {where}")
 
-    def _rest(self, sample: Sample) -> float:
-        """Return the value of the parameter where the orbit has shrunk to nothing, from two squares of amplitudes."""
-        sizes = [float(np.ptp(each.place.point.nodes, axis=0).max()) ** 2 for each in (self.sample, sample)]
-        change = (sample.value - self.sample.value) / (sizes[1] - sizes[0]) if sizes[0] != sizes[1] else 0.0
-        return self.sample.value - sizes[0] * change
+    def _rest(self, sample: Sample) -> tuple[float, float]:
+        """Return the value of the parameter where the orbit has shrunk to nothing, and its error."""
+        # About a Hopf point the parameter is a power series p = p_0 + c_1 s + c_2 s^2 + ... of the mean square s of the
+        # motion (J. E. Marsden and M. McCracken, The Hopf Bifurcation and Its Applications, Springer 1976, section 3).
+        # p_0 is the parabola through the last three orbits at s = 0; its distance from the line through the last two,
+        # c_2 s_1 s_2, is taken as its error, which is of order s^3.  An error e of the states changes s by 2 e sqrt(s).
+        last = [(each.value, _mean_square(each.place, self.measure.scale)) for each in (self.sample, sample)]
+        (p_1, s_1), (p_2, s_2) = last
+        if s_1 == s_2:
+            return p_2, abs(p_2 - p_1)
+        slope = (p_2 - p_1) / (s_2 - s_1)
+        rest = p_2 - slope * s_2
+        error = 2.0 * abs(slope) * math.sqrt(s_2) * max(sample.orbit.error, self.sample.orbit.error)
+        error += 4.0 * EPS * (abs(p_2) + abs(slope) * s_2)
+        if self._behind is None:
+            return rest, error + abs(rest - p_2)
+        p_0, s_0 = self._behind.point.value, _mean_square(self._behind, self.measure.scale)
+        if s_0 in (s_1, s_2):
+            return rest, error + abs(rest - p_2)
+        curvature = (slope - (p_1 - p_0) / (s_1 - s_0)) / (s_2 - s_0)
+        return rest + curvature * s_1 * s_2, error + abs(curvature) * s_1 * s_2
+
+
+def _mean_square(place: CurvePoint, scale: Floats) -> float:
+    """Return the mean square of the motion about its mean over a period, each state as a fraction of its scale."""
+    collocation, stages = place.collocation, place.point.stages / scale
+    weights = collocation.steps[:, None, None] * gauss(collocation.degree).weights[:, None]
+    mean = (weights * stages).sum(axis=(0, 1))
+    return float((weights * (stages - mean) ** 2).sum())

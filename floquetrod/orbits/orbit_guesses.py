@@ -80,6 +80,8 @@ def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
             f"{state.shape}"
         )
     system.evaluated.start(0.0, state, system.parameters)
+    if system.is_autonomous:
+        _require_moving(system, state)
     guess = _autonomous(system, state) if period is None else _settled(system, state, period)
     return _resolved(system, guess)
 
@@ -273,8 +275,10 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
         motion = _marched(system, state, span, f"within {span:.4g}", samples=4000)
         last = slice(len(motion.times) // 3, None)
         if _rests(motion):
-            rest = ", ".join(f"{value:.6g}" for value in motion.states[-1, :6])
-            raise ValueError(f"start leads to a state of rest at ({rest}), not to a periodic orbit")
+            raise ValueError(
+                f"start leads to a state of rest at {_in_words(motion.states[-1])}, not to a periodic orbit: give a "
+                "start farther from it, or parameters with which it is unstable"
+            )
         period = returned(motion.times[last], motion.states[last], motion.rates[last])
         if period is not None:
             return _marched(system, motion.states[-1], period, "")
@@ -283,6 +287,21 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
             break
         state, span = motion.states[-1], 2.0 * span
     raise ValueError("start leads to motion that does not return near where it was; give period and a closer start")
+
+
+def _require_moving(system: NonlinearSystem, state: Floats) -> None:
+    """Raise ValueError where an autonomous system stays at a state; its equations for an orbit are singular there."""
+    instants = [0.0, 1.0]  # at both, of a function that should not depend on time and may
+    if not system.rates(instants, np.stack([state, state])).any():
+        raise ValueError(
+            f"start is a state of rest, {_in_words(state)}, where nothing moves: give a start away from it, such as "
+            f"{_in_words(state + 0.1 * max(1.0, float(np.abs(state).max())) * (np.arange(state.size) == 0))}"
+        )
+
+
+def _in_words(state: Floats) -> str:
+    """Return a state in parentheses, the first six numbers of a long one."""
+    return f"({', '.join(f'{value:.6g}' for value in state[:6])}{', ...' if state.size > 6 else ''})"
 
 
 def _require_no_rotation(system: NonlinearSystem, motion: Guess, last: slice) -> None:

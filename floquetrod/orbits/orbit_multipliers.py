@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -69,9 +70,10 @@ class OrbitSpectrum(NamedTuple):
         if self.trivial is None and self.solutions is not None and linearised.structure == "hamiltonian":
             krein = functools.partial(independent_solutions.krein_sign, self.solutions)
         cost = Cost(self.intervals, "intervals")
-        return classify_multipliers(
+        verdict = classify_multipliers(
             linearised, "segmented", logs, krein=krein, cost=cost, note=note, are_all=self.trivial is None
         )
+        return replace(verdict, along_orbit=True)
 
 
 def spectrum(segments: Segments, is_hamiltonian: Callable[[], bool]) -> OrbitSpectrum:

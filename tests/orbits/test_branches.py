@@ -63,13 +63,31 @@ def test_cycles_fold_and_shrink_to_rest(fold: fr.Branch) -> None:
     assert np.abs(fold.period - 2.0 * math.pi).max() < 1e-10
     rates = 2.0 * known**2 * (1.0 - 2.0 * known**2)  # of deviations across
     assert (np.abs(fold.multipliers[:, 0] - np.exp(2.0 * math.pi * rates)) <= fold.multiplier_errors[:, 0]).all()
+    unstable = fold.orbits[int(np.flatnonzero(fold.status == 0)[0])]
+    assert [str(name) for name in unstable.stability.resonances] == ["fold or branch point"]
     rest, range_end = fold.ends
     assert "state of rest (a Hopf point) near mu = " in rest
-    assert abs(float(rest.split("= ")[1])) < 1e-3
+    value, error = map(float, rest.split("= ")[1].split(" +- "))
+    assert abs(value) <= error < 1e-5
     assert range_end == "mu = 0.3 is the end of the range"
     assert repr(fold).endswith(", 1 special points, a Hopf point at one end>")
     assert fold.report().headline == "1 fold, a Hopf point at one end"
     assert fold.values[-1] == 0.3
+
+
+@pytest.mark.parametrize("a", [0.7, 1.0, 1.5])
+def test_a_hopf_point_has_its_error(a: float) -> None:
+    # The Brusselator's state of rest (a, b / a) has the trace b - 1 - a^2.
+    def brusselator(t: Any, x: Any, a: float, b: float) -> Any:
+        return a + x[0] ** 2 * x[1] - (b + 1.0) * x[0], b * x[0] - x[0] ** 2 * x[1]
+
+    system = fr.NonlinearSystem(brusselator, parameters={"a": a, "b": 1.3 + a * a})
+    branch = fr.follow(fr.periodic_orbit(system, [1.2 * a, (1.0 + a * a) / a]), over={"b": (0.5, 1.5 + a * a)})
+    value, error = map(float, branch.ends[0].split("(a Hopf point) near b = ")[1].split(" +- "))
+    assert abs(value - 1.0 - a * a) <= error < 1e-5
+    table = fr.to_pandas(branch)
+    assert (table["a"] == a).all()
+    assert (table["b"] == branch.values).all()
 
 
 def test_a_pitchfork_and_the_branch_that_crosses() -> None:
@@ -98,6 +116,8 @@ def test_a_pair_crosses_the_circle() -> None:
     assert point.kind == "Neimark-Sacker"
     assert abs(point.value - math.sqrt(2.0)) <= point.error < 1e-10
     assert abs(point.multiplier - np.exp(0.6j * math.pi)) < 1e-9
+    unstable = branch.orbits[int(np.flatnonzero(branch.status == 0)[0])]
+    assert [str(name) for name in unstable.stability.resonances] == ["Neimark-Sacker"]
     with pytest.raises(ValueError, match="two frequencies"):
         point.switch()
 
@@ -113,6 +133,7 @@ def test_a_period_doubling_and_the_doubled_orbit() -> None:
     doubled = point.switch()
     assert abs(doubled.period / point.orbit.period - 2.0) < 0.01
     assert doubled.status == "stable"
+    assert [str(name) for name in branch.orbits[-1].stability.resonances] == ["period doubling"]
     again = fr.follow(doubled, {"c": (2.8, doubled.system.parameters["c"])}, longest=0.5)
     assert again.ends[0].startswith(
         "the branch joins the orbits of half its period at period doubling at c = 2.8324450"

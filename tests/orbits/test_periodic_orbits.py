@@ -188,7 +188,7 @@ def test_functions_that_are_not_as_they_should_be(function: Any, start: Any, mes
 @pytest.mark.parametrize(
     ("system", "start", "message"),
     [
-        (VAN_DER_POL, [0.0, 0.0], "leads to a state of rest"),
+        (VAN_DER_POL, [0.0, 0.0], r"start is a state of rest, \(0, 0\), where nothing moves: .* such as \(0\.1, 0\)$"),
         (VAN_DER_POL.with_parameters(mu=-1.0), [0.5, 0.0], "leads to a state of rest"),
         (VAN_DER_POL.with_parameters(mu=-1.0), [4.0, 0.0], "start diverges"),
         (VAN_DER_POL, [2.0, 0.0, 1.0], "function must return 3 rates"),
@@ -201,6 +201,11 @@ def test_functions_that_are_not_as_they_should_be(function: Any, start: Any, mes
 def test_starts_that_lead_nowhere(system: Any, start: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         fr.periodic_orbit(system, start)
+
+
+def test_a_state_of_rest_is_named_with_a_period_too() -> None:
+    with pytest.raises(ValueError, match=r"^start is a state of rest, \(0, 0\)"):
+        fr.periodic_orbit(VAN_DER_POL, [0.0, 0.0], period=6.66)
 
 
 def test_rows_that_the_integration_did_not_reach_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,24 +30,39 @@ _NOTHING = 1e-9  # an angle, or a share of the largest frequency or coupling, be
 _UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
 """Of systems with delays, whose modes are not counted."""
 
+Kind = Literal[
+    "direct",
+    "sum",
+    "difference",
+    "buckling",
+    "hopf",
+    "flip",
+    "fold",
+    "fold or branch point",
+    "period doubling",
+    "Neimark-Sacker",
+]
+
 
 class Resonance(NamedTuple):
     """The name of an instability: the combination of natural frequencies of the mean system that explains it best.
 
     Attributes
     ----------
-    kind : {"direct", "sum", "difference", "buckling", "hopf", "flip", "fold"}
+    kind : {"direct", "sum", "difference", "buckling", "hopf", "flip", "fold", ...}
         2 w_i = k w; w_i + w_j = k w; w_i - w_j = k w (k = 0: flutter of the mean system); negative mean stiffness.  Of
-        systems with delays: a pair of multipliers, one below -1, one above 1.
+        systems with delays: a pair of multipliers, one below -1, one above 1.  Of periodic orbits the special point at
+        which such multipliers leave the unit circle: "Neimark-Sacker", "period doubling", "fold or branch point".
     modes : tuple of int
-        Modes of the mean system, counted from 1 in the order of their frequencies; none of systems with delays.
+        Modes of the mean system, counted from 1 in the order of their frequencies; none of systems with delays and of
+        orbits.
     order : int
         k, in terms of w = 2 pi / period; 0 for buckling.
     growth_rate : float
         Of the solution it names, per unit of time.
     """
 
-    kind: Literal["direct", "sum", "difference", "buckling", "hopf", "flip", "fold"]
+    kind: Kind
     modes: tuple[int, ...]
     order: int
     growth_rate: float
@@ -64,8 +79,8 @@ class Resonance(NamedTuple):
 
     def __str__(self) -> str:
         """Return, say, "sum resonance of modes 1 and 2, order 1"."""
-        if self.kind in _UNNAMED:
-            return _UNNAMED[self.kind]
+        if not self.modes:
+            return _UNNAMED.get(self.kind, self.kind)
         if self.kind == "buckling":
             return f"buckling of mode {self.modes[0]}"
         if self.kind == "direct":
@@ -74,12 +89,19 @@ class Resonance(NamedTuple):
         return f"{self.kind} resonance of {modes}, order {self.order}" if self.order else f"flutter of {modes}"
 
 
-def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex]) -> tuple[Resonance, ...]:
-    """Return the names of the growing solutions among ``exponents``, the fastest first, each name once."""
+def name(
+    system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex], *, of_orbit: bool = False
+) -> tuple[Resonance, ...]:
+    """Return the names of the growing solutions among ``exponents``, the fastest first, each name once.
+
+    ``of_orbit`` says that the system is linearised along a periodic orbit, whose mean has no natural frequencies.
+    """
     lowest = -_NOTHING / float(system.period)
     growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= lowest]
     if isinstance(system, DelaySystem):
-        return _by_multipliers(system, growing)
+        return _by_multipliers(system, growing, ("hopf", "fold", "flip"))
+    if of_orbit:
+        return _by_multipliers(system, growing, ("Neimark-Sacker", "fold or branch point", "period doubling"))
     # The frequencies of second moments are sums and differences of the natural ones; complex modes have no conjugates.
     if system.MEANING or (isinstance(system, PeriodicSystem) and system.is_complex):
         return ()
@@ -120,13 +142,16 @@ def _tongue(system: HillSystem | PeriodicSystem) -> int | None:
     return interval.order if interval.kind == "tongue" else None
 
 
-def _by_multipliers(system: DelaySystem, growing: list[complex]) -> tuple[Resonance, ...]:
-    """Return the names of the ways in which multipliers leave the unit circle: through 1, -1 or a pair elsewhere."""
+def _by_multipliers(
+    system: HillSystem | PeriodicSystem | DelaySystem, growing: list[complex], kinds: tuple[Kind, Kind, Kind]
+) -> tuple[Resonance, ...]:
+    """Return the names of the ways in which multipliers leave the unit circle: as a pair, through 1, through -1."""
+    pair, one, minus_one = kinds
     names: dict[str, Resonance] = {}
     for exponent in growing:
         angle = exponent.imag * float(system.period)
         real = abs(angle) <= _NOTHING if system.is_constant else abs(math.sin(angle)) <= _NOTHING
-        kind: Literal["fold", "flip", "hopf"] = "hopf" if not real else "fold" if math.cos(angle) > 0.0 else "flip"
+        kind = pair if not real else one if math.cos(angle) > 0.0 else minus_one
         names.setdefault(kind, Resonance(kind, (), 0, exponent.real))
     return tuple(names.values())
 

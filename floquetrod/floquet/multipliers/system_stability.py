@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,8 @@ class SystemStability(FloquetVerdict):
     unknown_below : float
         Upper bound of the real parts of the unknown exponents, which are NaN, as are their multipliers, and come last;
         minus infinity where all are known.
+    along_orbit : bool
+        Whether the system is linearised along a periodic orbit; ``resonances`` then are named as its special points.
     growth_below : float
         Upper bound of the real parts of all exponents; infinite without a bound.
     strongly_stable : bool or None
@@ -66,6 +68,7 @@ class SystemStability(FloquetVerdict):
     strongly_stable: bool | None = None
     unknown_below: float = -math.inf
     growth_below: float = math.inf
+    along_orbit: bool = field(default=False, compare=False)
 
     @property
     def are_resolved(self) -> bool:
@@ -94,7 +97,9 @@ class SystemStability(FloquetVerdict):
             return ()
         exponents = np.array(self.exponents)
         certain = exponents[exponents.real > np.array(self.exponent_errors)]
-        return resonance_names.name(self.system, (certain if certain.size else exponents[:1]).tolist())
+        return resonance_names.name(
+            self.system, (certain if certain.size else exponents[:1]).tolist(), of_orbit=self.along_orbit
+        )
 
     @property
     def structure(self) -> Structure:
