@@ -659,8 +659,9 @@ class _Boundary:
     def valley(self, left: _Start, middle: _Start, right: _Start) -> _Search:
         """Return where a lobe is lowest between two starts, and its error: parabolas through a third one.
 
-        As in Brent's method a step of the golden section follows where a parabola narrowed the bracket by too little.
-        Where the bracket ends up as narrow as rounding, the depths at its ends bound the error.
+        As in Brent's method a step of the golden section follows where a parabola narrowed the bracket by too little,
+        and where none is there: beside a start of another lobe that is lower, or above the chart.  Where the bracket
+        ends up as narrow as rounding, the depths at its ends bound the error.
         """
         width = math.inf
         for _ in range(_PARABOLAS):
@@ -668,18 +669,19 @@ class _Boundary:
             narrowed, width = below + above < 0.6 * width, below + above
             falls = (left.depth - middle.depth) / below, (right.depth - middle.depth) / above
             bend = sum(falls)
-            if not 0.0 < bend < math.inf:
-                return middle, 0.0
-            step = 0.5 * (falls[0] * above - falls[1] * below) / bend
-            least = _INWARD * (above if step >= 0.0 else below)
-            if abs(step) < least:  # so near that the other side is brought closer, too
-                step = 4.0 * least if above > below else -4.0 * least * below / max(below, above)
-            middle_fall = bend * step * step / (above + below)
-            if abs(step) <= 4.0 * least and middle_fall < 0.1 * ACCURACY * middle.depth:
-                return middle, 0.0
-            step = min(max(step, -0.9 * below), 0.9 * above)
-            if not narrowed:
-                step = _GOLDEN * above if above > below else -_GOLDEN * below
+            step = _GOLDEN * above if above > below else -_GOLDEN * below
+            if 0.0 < bend < math.inf:
+                vertex = 0.5 * (falls[0] * above - falls[1] * below) / bend
+                least = _INWARD * (above if vertex >= 0.0 else below)
+                if abs(vertex) < least:  # so near that the other side is brought closer, too
+                    vertex = 4.0 * least if above > below else -4.0 * least * below / max(below, above)
+                middle_fall = bend * vertex * vertex / (above + below)
+                if abs(vertex) <= 4.0 * least and middle_fall < 0.1 * ACCURACY * middle.depth:
+                    return middle, 0.0
+                if narrowed:
+                    step = min(max(vertex, -0.9 * below), 0.9 * above)
+            elif math.isfinite(bend) and _depth_beside(left, middle, right) < 0.1 * ACCURACY * middle.depth:
+                break
             speed = middle.speed + step
             if speed in (left.speed, middle.speed, right.speed):
                 break
@@ -691,7 +693,17 @@ class _Boundary:
                 left = start
             else:
                 right = start
-        return middle, max(left.depth, right.depth) - middle.depth
+        return middle, _depth_beside(left, middle, right)
+
+
+def _depth_beside(left: _Start, middle: _Start, right: _Start) -> float:
+    """Return by how much depths differ at the ends of a bracket in which a lobe is lowest, in m.
+
+    The least depth of the lobe lies that near to the depth in the middle: it is no lower than another lobe beside it.
+    Of an end above the chart nothing is known; where both are, the least depth may be anywhere below the middle.
+    """
+    beside = [abs(end.depth - middle.depth) for end in (left, right) if math.isfinite(end.depth)]
+    return max(beside, default=middle.depth)
 
 
 def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> list[Lobe]:

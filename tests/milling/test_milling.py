@@ -337,6 +337,31 @@ def test_a_flip_lobe_between_columns_is_listed_and_named_in_the_picture() -> Non
     pyplot.close(ax.figure)
 
 
+@pytest.mark.parametrize("beside", [0.5, 0.99, math.inf])
+@pytest.mark.parametrize("edge", [1.6, 1.7, 1.79])
+def test_a_least_depth_beside_another_lobe_has_an_error_that_covers_it(edge: float, beside: float) -> None:
+    # Depths 1 + (s - 1.5)^2 over speeds s, but between 1.2 and an edge another lobe at another depth, or none: the lobe
+    # is lowest at the edge.
+    boundary = stability_lobes._Boundary(variable_pitch_cutter(), np.linspace(0.0, 4.0, 10))
+
+    def start(speed: float) -> Any:
+        if 1.2 < speed < edge:
+            onset = stability_lobes._Onset("flip", math.pi, 0.5, 1.0)
+            return stability_lobes._Start(speed, beside, onset if math.isfinite(beside) else None)
+        onset = stability_lobes._Onset("Hopf", 1.0, 7.16, 14.3)
+        return stability_lobes._Start(speed, 1.0 + (speed - 1.5) ** 2, onset)
+
+    search = boundary.valley(start(1.0), start(1.8), start(3.0))
+    (low, error), place = (None, None), next(search)
+    while low is None:
+        try:
+            place = search.send(start(place.speed))
+        except StopIteration as end:
+            low, error = end.value
+    lowest = 1.0 + (edge - 1.5) ** 2
+    assert low.depth - error <= lowest <= low.depth < lowest + 1e-6
+
+
 @pytest.mark.slow
 def test_least_depths_of_lobes_do_not_depend_on_the_columns_of_the_chart() -> None:
     page = fr.Milling(
