@@ -80,8 +80,8 @@ Delayed terms:
   [[system.delayed]]
   delay = 0.5
   matrix = [[0.1, 0], [0, 0]]                 # also cosines and sines
-In TOML files a text in place of a number is a formula of [parameters], a table that may be empty; see
-floquetrod chart --help-all; --set omega=2.5 gives one of these its value.
+In TOML files a text in place of a number is a formula of [parameters], a table that may be empty, which --help-all of
+chart explains; --set omega=2.5 gives one of these its value.
 """
 
 
