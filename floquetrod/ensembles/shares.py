@@ -14,6 +14,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
 from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
 from floquetrod.ensembles.varied_axes import RUN_SEED
+from floquetrod.rod.loads.load import LOAD
 from floquetrod.simulation.outcome import KINDS, Outcome
 
 RANDOM = ("sample", "run", "seed")
@@ -84,9 +85,11 @@ def overall(runs: Any, name: str, confidence: float) -> str:
         return words
     found = probability_of(runs, name, dims, confidence)
     share, lower, upper = (float(found[end]) for end in ("probability", "lower", "upper"))
-    chosen = [quantity.replace("_", " ") for quantity in chosen_quantities(runs)]
-    kind = f"mean over {', '.join(chosen)}" if chosen else "probability"
-    return f"{words}; {kind} {share:.3f}, {100.0 * confidence:g} % interval {lower:.3f} to {upper:.3f}"
+    chosen = [LOAD[name].words if name in LOAD else name.replace("_", " ") for name in chosen_quantities(runs)]
+    *most, last = chosen or [""]
+    averaged = f" on average over {' and '.join(filter(None, [', '.join(most), last]))}" if chosen else ""
+    interval = f"{100.0 * confidence:g} % interval {lower:.3f} to {upper:.3f}"
+    return f"{words}; probability {share:.3f}{averaged}, {interval}"
 
 
 class SharePlane(NamedTuple):

@@ -55,7 +55,7 @@ def test_a_panel_for_each_quantity_with_the_probability_that_is_computed(seed: i
     share, lower, upper = (f"{float(whole[name]):.3f}" for name in ("probability", "lower", "upper"))
     done = runs["status"] == 1
     assert above.get_title() == (
-        f"buckled: {(runs['buckled'] & done).sum()} of {done.sum()} runs; mean over kick {share}, "
+        f"buckled: {(runs['buckled'] & done).sum()} of {done.sum()} runs; probability {share} on average over kick, "
         f"90 % interval {lower} to {upper}"
     )
     pyplot.close("all")
@@ -125,9 +125,9 @@ def test_two_chosen_quantities_make_a_plane(seed: int) -> None:
 
 
 def test_two_chosen_quantities_with_drawn_runs_have_a_plane_and_panels() -> None:
-    rng, shape, dims = np.random.default_rng(3), (3, 2, 20), ("kick", "amplitude", "seed")
+    rng, shape, dims = np.random.default_rng(3), (3, 2, 20), ("mean", "amplitude", "seed")
     coords = {
-        "kick": Variable(("kick",), np.arange(3.0), {}),
+        "mean": Variable(("mean",), np.arange(3.0), {}),
         "amplitude": Variable(("amplitude",), np.arange(2.0), {}),
     }
     variables = {
@@ -137,7 +137,9 @@ def test_two_chosen_quantities_with_drawn_runs_have_a_plane_and_panels() -> None
     runs = Runs(variables, coords, {})
     plane, _, *panels = runs.plot().axes
     assert plane.collections[0].get_array().reshape(2, 3).tolist() == runs["buckled"].mean(axis=2).T.tolist()
-    assert [ax.get_xlabel() for ax in panels] == ["kick", "amplitude"]
+    assert [ax.get_xlabel() for ax in panels] == ["mean force", "amplitude"]
+    share = runs["buckled"].mean()
+    assert f"; probability {share:.3f} on average over mean force and amplitude, 95 % interval" in plane.get_title()
     pyplot.close("all")
 
 
