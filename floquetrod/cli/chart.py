@@ -20,6 +20,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, real_number
+from floquetrod.cli.system import unit_of_time
 from floquetrod.equations.system_files import SystemFamily, read_family
 
 _HELP = """\
@@ -93,7 +94,7 @@ def _chart(options: argparse.Namespace) -> Output:
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
         "unstable": bands_in_numbers(chart.bands) if bands else None,
     }
-    lines = [chart.caption, *([bands_listed(chart.bands)] if bands else [])]
+    lines = [chart.caption, *([bands_listed(chart.bands)] if bands else []), *unit_of_time(options.system)]
     return output(options, lambda: "\n".join(lines), lambda: record, written=written)
 
 

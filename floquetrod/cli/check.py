@@ -75,13 +75,16 @@ system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + 
   stiffness = [[1, 0], [0, 4]]                # mean of K; positive restores
   cosines = [[[0.1, 0.2], [0.2, 0.16]]]       # a matrix for each harmonic of K(t); also sines
   frequency = 3.0                             # angular; or period
+frequency, period and delay may have a unit, such as "24Hz": time is then in seconds, and the matrices must be in
+seconds, too.  For matrices in 1/ns give 4.8 GHz as 30.16, which is in rad/ns.
 Optional are mass (symmetric, positive), damping and gyroscopic (skew).  For x' = A(t) x give mean, not stiffness.
 Delayed terms:
   [[system.delayed]]
   delay = 0.5
   matrix = [[0.1, 0], [0, 0]]                 # also cosines and sines
 In TOML files a text in place of a number is a formula of [parameters], a table that may be empty, which --help-all of
-chart explains; --set omega=2.5 gives one of these its value.
+chart explains; --set omega=2.5 gives one of these its value.  How far a parameter may change until the verdict does is
+drawn by chart; as a number it is fr.margin in Python.
 """
 
 

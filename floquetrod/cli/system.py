@@ -11,7 +11,7 @@ from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
-from floquetrod.equations.system_files import read_system
+from floquetrod.equations.system_files import quantity_with_unit, read_system
 from floquetrod.floquet.verdict import Status
 
 _OF_A_SYSTEM = ("command", "system", "set", "method", "exit_code", "json")
@@ -22,9 +22,9 @@ def require_alone(options: argparse.Namespace) -> None:
     """Raise ValueError where options of a rod were given beside a system."""
     for name, value in vars(options).items():
         if name not in _OF_A_SYSTEM and value != options.parser.get_default(name):
-            raise ValueError(
-                f"{option(name)} belongs to --rod, got {str(value)!r}: a system is described by its file alone"
-            )
+            got = "" if isinstance(value, bool) else f", got {str(value)!r}"
+            margins = "; fr.margin in Python finds the margins of its parameters" if name == "margins" else ""
+            raise ValueError(f"{option(name)} belongs to --rod{got}: a system is described by its file alone{margins}")
 
 
 def classify(options: argparse.Namespace) -> tuple[Output, Status]:
@@ -32,7 +32,11 @@ def classify(options: argparse.Namespace) -> tuple[Output, Status]:
     system = _read(options)
     with Waiting("deciding stability, and what damping it takes"):
         result = fr.stability(system, method=options.method or "auto")
-        said = output(options, lambda: result.report(damping=True), lambda: result.as_dict(damping=True))
+        said = output(
+            options,
+            lambda: "\n\n".join([str(result.report(damping=True)), *unit_of_time(options.system)]),
+            lambda: result.as_dict(damping=True),
+        )
     return said, result.status
 
 
@@ -41,7 +45,14 @@ def prove(options: argparse.Namespace) -> tuple[Output, Status]:
     system = _read(options)
     with Waiting("proving"):
         proof = cast(fr.results.Proof, fr.certify(system))  # no box
-    return output(options, proof.report, proof.as_dict), proof.status
+    said = output(options, lambda: "\n".join([str(proof.report()), *unit_of_time(options.system)]), proof.as_dict)
+    return said, proof.status
+
+
+def unit_of_time(file: str) -> list[str]:
+    """Return a line on the unit of time where a time or a frequency in a system file has a unit, else none."""
+    given = quantity_with_unit(file)
+    return [f"Time is in seconds, because {given} has a unit: the matrices must be in seconds, too."] if given else []
 
 
 def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem | fr.DelaySystem:

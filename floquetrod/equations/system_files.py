@@ -99,6 +99,24 @@ def read_system(
         raise ValueError(f"system file {path}: {error}{remedy}") from None
 
 
+def quantity_with_unit(path: str | Path) -> str:
+    """Return a time or a frequency of a system file that has a unit, such as 'frequency = "24Hz"'; "" without any."""
+    path = validate.path("path", path)
+    return _with_unit(_toml(path)) if path.suffix == ".toml" else ""
+
+
+def _with_unit(value: Any) -> str:
+    """Return the first time or frequency with a unit in a table or list of tables, as a line of its file."""
+    if not isinstance(value, dict):
+        return next(filter(None, map(_with_unit, value)), "") if isinstance(value, list) else ""
+    for key, entry in value.items():
+        if key in _QUANTITIES and isinstance(entry, str) and _has_unit(entry):
+            return f'{key} = "{entry}"'
+        if found := _with_unit(entry):
+            return found
+    return ""
+
+
 def read_family(path: str | Path) -> SystemFamily:
     """Read a family of systems from a TOML file: [system] as of `read_system`, and [parameters].
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import floquetrod as fr
 from floquetrod import cli
@@ -58,7 +59,7 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
         r"growth    0\.0353278 per unit time, tenfold in 65\.18",
         r"named     sum resonance of modes 1 and 2, order 1, growth 0\.0353278",
         r"margin    the largest multiplier lies 0\.0768 outside the unit circle",
-        r"damping   every motion must decay faster by 0\.035336 per unit time to be stable: C \+ 0\.070671\d I; larger",
+        r"damping   stable with more damping than C \+ 0\.070671\d I, which adds a decay rate of 0\.035336 per unit",
         r"method    half_period, 1 half period; multipliers good to \de-1\d relative",
         r"  -0\.539940098 \+0\.931641105i     1\.07679639     \+0\.667193     \de-1\d$",
     ):
@@ -83,6 +84,22 @@ def test_a_stable_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert sorted(signs) == ["+", "+", "-", "-"]
 
 
+def test_a_unit_of_the_frequency_makes_time_seconds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = "\nTime is in seconds, because {} has a unit: the matrices must be in seconds, too.\n"
+    given = 'frequency = "4.8 GHz"'
+    path = written(tmp_path, COUPLED + given)
+    assert said(capsys, path).endswith(line.format(given))
+    assert cli.main(["certify", "--system", path]) == 0
+    assert capsys.readouterr().out.endswith(line.format(given))
+    delay = '[[system.delayed]]\ndelay = "1.5s"\nmatrix = [[0.1, 0], [0, 0]]'
+    assert said(capsys, written(tmp_path, f"{COUPLED}frequency = 3\n{delay}")).endswith(line.format('delay = "1.5s"'))
+    family = '[system]\nstiffness = [["a"]]\ncosines = [[["b"]]]\n[parameters]\na = "1:2"\nb = "0:1"\n'
+    path, out = written(tmp_path, family.replace("[par", f"{given}\n[par")), str(tmp_path / "chart.npz")
+    assert cli.main(["chart", "--system", path, "--points", "2x2", "--pixels", "--out", out]) == 0
+    assert line.format(given) in capsys.readouterr().out
+    assert "Time is" not in said(capsys, written(tmp_path, COUPLED + "frequency = 30.16"))
+
+
 def test_a_damped_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     damped = COUPLED + "frequency = 1.0\ndamping = [[0.1, 0], [0, 0.4]]\n"
     text = said(capsys, written(tmp_path, damped), "--exit-code", "--method", "monodromy")
@@ -98,7 +115,19 @@ def test_a_system_of_first_order(tmp_path: Path, capsys: pytest.CaptureFixture[s
     text = said(capsys, written(tmp_path, BLADE), "--exit-code", status=1)
     assert text.startswith("UNSTABLE: grows at 0.0906136 per unit time\n")
     assert "2 equations of first order, general, 2 harmonics, period 6.28319" in text
-    assert "damping   every motion must decay faster by 0.0906136 per unit time to be stable: A - 0.0906136 I" in text
+    assert "damping   stable with A - c I in place of A, c above 0.0906136 per unit time\n" in text
+
+
+def test_the_damping_of_a_first_order_system_with_delays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    delayed = "[[system.delayed]]\ndelay = 1.0\nmatrix = [[-3.0]]"
+    text = said(capsys, written(tmp_path, f"[system]\nmean = [[-1.0]]\nperiod = 1.0\n{delayed}"))
+    found = re.search(
+        r"^damping   stable with A - c I in place of A, c above (\S+) per unit time; larger", text, re.MULTILINE
+    )
+    assert found is not None
+    # At the least c, i w = -(1 + c) - 3 exp(-i w): then 3 sin w = w and 1 + c = -3 cos w.
+    w = brentq(lambda w: 3.0 * math.sin(w) - w, 2.0, 3.0)
+    assert float(found[1]) == pytest.approx(-1.0 - 3.0 * math.cos(w), rel=1e-5)
 
 
 def test_no_damping_suffices_for_an_unstable_mean(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -307,6 +336,10 @@ def test_files_of_other_kinds(tmp_path: Path, tuned: Tuned) -> None:
         (
             ["--system", "a.toml", "--mean", "1N"],
             "--mean belongs to --rod, got .1N.: a system is described by its file alone",
+        ),
+        (
+            ["--system", "a.toml", "--margins"],
+            "--margins belongs to --rod: a system is .* alone; fr.margin in Python finds the margins of its parameters",
         ),
         (["--system", "a.toml", "--frequency", "0"], "--frequency belongs to --rod"),
         (["--system", "a.toml", "--growth-tolerance", "0"], "--growth-tolerance belongs to --rod"),

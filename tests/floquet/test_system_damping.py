@@ -84,6 +84,10 @@ def test_of_first_order_it_is_the_growth_rate() -> None:
 def test_none_is_needed_none_suffices_or_none_is_known(tuned: Tuned) -> None:
     assert fr.stability(coupled(3.1)).damping_to_stabilise == 0.0
     assert fr.stability(fr.HillSystem(np.diag([-1.0, 1.0]), [FORCING])).damping_to_stabilise == math.inf
+    held = fr.stability(fr.Mathieu.from_aq(-0.1, 0.6))  # stable, as the forcing holds what the mean would let go
+    assert held.stable
+    assert held.damping_to_stabilise == math.inf
+    assert fr.stability(fr.Mathieu.from_aq(-0.1, 0.6, damping=10.0)).status == "unstable"
     free = np.array([[1.0, -1.0], [-1.0, 1.0]])  # which no damping lets decay
     assert math.isnan(fr.stability(fr.HillSystem(free, [0.1 * free])).damping_to_stabilise)
     tuned(seconds_of_a_damping_search=0.0)
@@ -100,10 +104,10 @@ def test_the_report_gives_the_damping_that_is_there_and_the_sum(mass: float | No
         system = fr.HillSystem(inertia @ np.diag([1.0, 4.0]), waves, damping=damping, period=math.pi, **others)
         return str(fr.stability(system).report(damping=True)).partition("\ndamping ")[2].partition("\n")[0]
 
-    found = re.search(rf"to be stable: C \+ (\S+) {unit} = (\S+) {unit};", line(0.2 * inertia))
+    found = re.search(rf"stable with more damping than C \+ (\S+) {unit} = (\S+) {unit}, ", line(0.2 * inertia))
     assert found is not None
     assert float(found[2]) == pytest.approx(0.2 + float(found[1]), rel=1e-5)
-    alone = re.search(rf"to be stable: C \+ (\S+) {unit};", line(None))
+    alone = re.search(rf"stable with more damping than C \+ (\S+) {unit}, ", line(None))
     assert alone is not None
     assert float(alone[1]) == pytest.approx(float(found[2]), rel=1e-4)  # what suffices in all is one number
     assert " = " not in line(np.diag([0.02, 0.04]))  # no multiple of the mass

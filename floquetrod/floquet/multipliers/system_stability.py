@@ -212,10 +212,12 @@ class SystemStability(FloquetVerdict):
                 return []
             text = "strong damping does not stabilise it, as the mean stiffness alone is unstable; weak damping may"
             return [("damping", text)]
-        text = f"every motion must decay faster by {rate:.6g} per unit time to be stable"
-        if isinstance(self.system, PeriodicSystem):
-            return [("damping", f"{text}: A - {rate:.6g} I")]
-        return [("damping", f"{text}: {self._more_damping(2.0 * rate)}; larger rates were tried, not all")]
+        if not _second_order(self.system):
+            tried = "" if isinstance(self.system, PeriodicSystem) else "; larger ones were tried, not all"
+            return [("damping", f"stable with A - c I in place of A, c above {rate:.6g} per unit time{tried}")]
+        more = f"stable with more damping than {self._more_damping(2.0 * rate)}"
+        added = f"which adds a decay rate of {rate:.6g} per unit time"
+        return [("damping", f"{more}, {added}; larger rates were tried, not all")]
 
     def _more_damping(self, added: float) -> str:
         """Return the damping matrix with a multiple of the mass matrix added, and the sum where C is one too."""
