@@ -186,3 +186,14 @@ def test_a_probability_knows_the_wellhead() -> None:
     added = 2e7 * math.pi * PIPE.radius**2 + 5e3
     plain = fr.probability_of_reach(PIPE, WELL, (0.2, 0.3), push=50e3 - added, **at)
     np.testing.assert_array_equal(found.probability, plain.probability)
+
+
+def test_only_what_the_wellhead_has_is_said() -> None:
+    def said(**wellhead: str) -> str:
+        found = PIPE.reach(WELL, 0.3, depth=[1000.0], **wellhead)
+        return dict(found.report(force="lbf", pressure="psi").lines)["wellhead"]
+
+    assert said(stripper="500lbf") == "500 lbf of push at the injector: 500 lbf by the stripper"
+    assert "stripper" not in said(wellhead_pressure="3000psi")
+    both = said(stripper="500lbf", wellhead_pressure="3000psi")
+    assert "by 3000 psi on the cross-section and 500 lbf by the stripper" in both

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from floquetrod import units
@@ -102,19 +103,28 @@ class VibrationTool(units.InUnits, ShownInNotebook):
         return self.frequency / (2.0 * math.pi)
 
     def in_words(self, shown: units.AnswerUnits) -> str:
-        """Return what the tool does and where it is, in units.
+        """Return what the tool does and where it is, in units: as it was given, or to four digits in other units.
 
         Returns
         -------
         str
             On one line.
         """
-        shakes = f"{shown.force.show(self.amplitude)} at {shown.frequency.show(self.frequency)}"
+        given = self.given_units
+        force, frequency, length = (
+            partial(unit.show, digits=6 if unit.name == name else 4)
+            for unit, name in (
+                (shown.force, given.force),
+                (shown.frequency, given.frequency),
+                (shown.length, given.length),
+            )
+        )
+        shakes = f"{force(self.amplitude)} at {frequency(self.frequency)}"
         if self.second is not None:
-            amplitude, frequency, *phase = self.second
-            shakes += f" and {shown.force.show(amplitude)} at {shown.frequency.show(frequency)}"
+            amplitude, other, *phase = self.second
+            shakes += f" and {force(amplitude)} at {frequency(other)}"
             shakes += f", {phase[0]:.4g} rad ahead" if phase else ""
-        return f"{shakes}, {shown.length.show(self.above_end)} above the lower end"
+        return f"{shakes}, {length(self.above_end)} above the lower end"
 
     def _at_hand(self) -> Report:
         """Return the tool in the units in which it was given, for a notebook."""

@@ -83,7 +83,7 @@ def table_of_parts(rod: RodData, shown: units.AnswerUnits) -> Table | None:
         f"bore {across.name}": lambda part: f"{across.of(2.0 * part.rod.channel_radius):.4g}",
         f"weight in fluid {weight.name}": lambda part: f"{weight.of(part.rod.weight_per_length):.4g}",
         f"inertia {mass.name}": lambda part: f"{mass.of(part.rod.mass_per_length):.4g}",
-        f"E I {rigidity.name}": lambda part: f"{rigidity.of(part.rod.flexural_rigidity):.4g}",
+        f"E I {rigidity.name}": lambda part: _number(part.rod.flexural_rigidity, rigidity),
     }
     if any(part.rod.yield_strength for part in rod.uniform_parts):
         columns[f"yield {shown.pressure.name}"] = lambda part: _strength(part, shown)
@@ -116,7 +116,12 @@ def rod_report(rod: RodData) -> Report:
 def _strength(part: UniformPart, shown: units.AnswerUnits) -> str:
     """Return the yield strength of a part, without its unit, and a dash for an unknown one."""
     strength = part.rod.yield_strength
-    return "-" if strength is None else f"{shown.pressure.of(strength):.4g}"
+    return "-" if strength is None else _number(strength, shown.pressure)
+
+
+def _number(value: float, shown: units.Unit) -> str:
+    """Return a value in a unit to four digits, without the unit and a power of ten."""
+    return shown._replace(name="").show(value, 4)
 
 
 def parts_as_dicts(rod: RodData) -> list[dict[str, Any]]:

@@ -124,8 +124,9 @@ class Wellhead(InUnits):
     def in_words(self, section: CrossSection, motion: str, shown: AnswerUnits) -> str:
         """Return what the wellhead adds at the injector, in units."""
         force, pressure = shown.force, shown.pressure.show(self.wellhead_pressure, 4)
-        parts = [f"{force.show(self.wellhead_pressure * section.outer_area, 4)} by {pressure} on the cross-section"]
-        parts += [f"{force.show(MOTIONS[motion] * self.stripper, 4)} by the stripper"]
+        pushed_out = f"{force.show(self.wellhead_pressure * section.outer_area, 4)} by {pressure} on the cross-section"
+        parts = [pushed_out] if self.wellhead_pressure else []
+        parts += [f"{force.show(MOTIONS[motion] * self.stripper, 4)} by the stripper"] if self.stripper else []
         return f"{force.show(self.added(section, motion), 4)} of push at the injector: {' and '.join(parts)}"
 
 

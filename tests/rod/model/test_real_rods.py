@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.rod import Channel, CrossSection, Fluids
-from floquetrod.rod.model.rod_in_words import special_parameters
+from floquetrod.rod.model.rod_in_words import special_parameters, table_of_parts
 from floquetrod.units import AnswerUnits
 from tests.conftest import depth
 from tests.coupled_cases import solid_like
@@ -404,3 +404,11 @@ def test_ninety_degrees_are_horizontal_to_the_bit(tmp_path: Path) -> None:
     lines = [f"{name} = {value!r}" for name, value in DAY.items()]
     path.write_text("\n".join([*lines, 'inclination = "90deg"']))
     assert fr.Rod.from_toml(path) == ROD
+
+
+def test_the_table_of_sections_has_no_powers_of_ten() -> None:
+    sections = [fr.Section("2.00x0.156 CT90", length="35ft"), fr.Section("2.00x0.203 CT90", length="20ft")]
+    table = table_of_parts(fr.Rod(sections=sections, channel_diameter="4.778in"), AnswerUnits.named("lbf", "ft", "psi"))
+    assert table is not None
+    assert [row[-1] for row in table.rows] == ["90000", "90000"]
+    assert not [text for row in table.rows for text in row if "e+" in text]
