@@ -18,6 +18,7 @@ from floquetrod.units import AnswerUnits, Unit
 _TITLE = 80  # characters in a line of the title
 _APART = 0.2  # of the depths, between two labels (a choice)
 _BEFORE_THE_END = 0.85  # of the depth, where curves are named (a choice)
+_FEW = 20  # depths of a curve, fewer of which are marked (a choice)
 _DECADES = 1e-3  # of the largest contact, from which it is drawn where a helix presses hard
 
 
@@ -148,7 +149,10 @@ def _only(x: Any, y: Any, kept: Any) -> tuple[Any, Any]:
 
 
 class _Push(NamedTuple):
-    """The force that pushes the lower end to a depth, how deep it goes and why no deeper, and the force at the end."""
+    """The force that pushes the lower end to a depth, how deep it goes and why no deeper, and the force at the end.
+
+    ``end`` is the depth of the last force, which is a little above the reach where the string locks up there.
+    """
 
     force: Floats
     reach: float
@@ -160,13 +164,12 @@ class _Push(NamedTuple):
 
 
 def _pushes(result: Any) -> Iterator[_Push]:
-    """Yield the string without the tool and with it; where they end, and what pushes them there where it is known."""
+    """Yield the string without the tool and with it; where they end, and what pushes them there."""
     ends = float(result.along.depth[-1]), result.along.injector
     if not result.tool:
         yield _Push(result.injector, result.reach, result.limit, "-", "", *ends)
         return
-    at_limit = result.push if result.limit == "push" else np.nan
-    yield _Push(result.injector, result.reach, result.limit, "-", "without the tool", result.reach, at_limit)
+    yield _Push(result.injector, result.reach, result.limit, "-", "without the tool", *result._injector_at_reach)
     yield _Push(result.injector_shaken, result.reach_shaken, result.limit_shaken, "--", "with the tool", *ends)
 
 
@@ -175,18 +178,16 @@ def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
     unit, depth = shown.force, shown.length.of(result.depth)
     names, points = [], []
     for push in _pushes(result):
-        goes = (result.depth <= push.reach) & np.isfinite(push.force)
-        x, y = depth[goes], unit.of(push.force[goes])
-        if np.isfinite(push.at_end):
-            x, y = np.append(x, shown.length.of(push.end)), np.append(y, unit.of(push.at_end))
-        if not x.size:
-            continue
-        ax.plot(x, y, color="black", linestyle=push.line, linewidth=1.2)
+        goes = (result.depth < push.end) & np.isfinite(push.force)
+        x = shown.length.of(np.append(result.depth[goes], push.end))
+        y = unit.of(np.append(push.force[goes], push.at_end))
+        computed = "." if x.size < _FEW else ""
+        ax.plot(x, y, color="black", linestyle=push.line, linewidth=1.2, marker=computed)
         ax.plot(x[-1:], y[-1:], **palette.POINT, markersize=6, linestyle="none")
         names.append(f"{_depth(push.reach, shown.length)}: {_limit(result, push.limit, shown)}")
         points.append((float(x[-1]), float(y[-1])))
     for push in _pushes(result):
-        if push.name and (k := _apart(result)):
+        if push.name and (k := _apart(result)) is not None:
             names.append(push.name)
             points.append((float(depth[k]), float(unit.of(push.force[k]))))
     low, high = ax.get_ylim()
@@ -201,12 +202,16 @@ def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
     _head(ax, "force that pushes the lower end to a depth, negative where the string pulls")
 
 
-def _apart(result: Any) -> int:
-    """Return at which depth the forces without the tool and with it differ most, not too near to where they end."""
+def _apart(result: Any) -> int | None:
+    """Return at which depth the forces without the tool and with it differ most, not too near to where they end.
+
+    None where they are not known to differ.
+    """
     goes = result.depth <= _BEFORE_THE_END * min(result.reach, result.reach_shaken)
     differ = np.zeros(goes.shape)
     differ[goes] = np.abs(result.injector[goes] - result.injector_shaken[goes])
-    return int(np.argmax(np.where(np.isfinite(differ), differ, 0.0)))
+    differ[~np.isfinite(differ)] = 0.0
+    return int(np.argmax(differ)) if differ.any() else None
 
 
 def _limit(result: Any, limit: str, shown: AnswerUnits) -> str:

@@ -571,3 +571,33 @@ def test_what_is_not_tried_at_the_lower_end_is_marked() -> None:
     curve, marks = draw_lower_end(found, AnswerUnits.named("N")).axes[0].lines[:2]
     assert curve.get_ydata() == pytest.approx(found.bit)
     assert marks.get_ydata() == pytest.approx(found.bit[:2])
+
+
+def test_the_figure_ends_where_the_string_does_however_few_depths_were_asked_for() -> None:
+    found = TUBING.reach(WELL, 0.3, tool=TOOL, depth=[2000.0, 4000.0])
+    figure = found.plot()
+    without, end, _, end_shaken = figure.axes[0].lines[:4]
+    assert without.get_marker() == "."  # few depths, which are marked
+    assert end.get_xdata()[0] == pytest.approx(found.reach, rel=2e-3)
+    assert end_shaken.get_xdata()[0] == pytest.approx(found.reach_shaken, rel=2e-3)
+    just_above = TUBING.mean_force(WELL, 0.3, bottom=float(end.get_xdata()[0])).at_top
+    assert end.get_ydata()[0] == pytest.approx(just_above / 1e3, rel=1e-3)
+    texts = {text.get_text() for artist in figure.axes[0].artists for text in artist.texts}
+    assert {"without the tool", "with the tool"} <= texts
+    pyplot.close(figure)
+
+
+def test_a_reach_with_a_tool_says_its_error_and_how_finely_it_was_sampled() -> None:
+    lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[4000.0]).report(depth="ft").lines)
+    assert lines["error"] == "some 6 ft with the tool, 0.05 % of the depth"
+    assert lines["sampled"].startswith("at depths 131 ft apart or less")
+    assert not {"error", "sampled"} & set(dict(string().report().lines))
+
+
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [("1120lbf", "1120 lbf at 18 Hz, 98.43 ft above"), ("1125.75lbf", "1125.75 lbf at"), ("5kN", "1124 lbf at 18 Hz")],
+)
+def test_a_tool_is_said_as_it_was_given_or_to_four_digits(force: str, said: str) -> None:
+    tool = fr.VibrationTool(force, "18Hz", "30m")
+    assert tool.in_words(AnswerUnits.named(force="lbf", length="ft")).startswith(said)

@@ -42,9 +42,11 @@ LENGTH = "length of the string"
 ACCURACY = 1e-6, 1e-4
 """Of a reach, over the length of the path, without a tool and with one."""
 
+RESOLUTION = 0.01
+"""Largest distance between depths `Pushing.examined` with a tool or several sections, over the length of the path."""
+
 _SPACING, _MOST_PLACES = 10.0, 2000  # m between the places of a string whose stress is examined, and their number
 _PER_PIECE = 17  # depths of a piece of one arc and friction between which the bracket above changes sign
-_TRIED_DEPTHS = 100  # of a string with a tool
 _SECTIONS = 26, 8  # into how many a bracket is divided at once
 _WIDENS = 4.0  # how much farther the next attempt lies
 _PARTS = (25, 9, 9), (25, 2, 2, 2, 2, 2, 2)
@@ -236,7 +238,7 @@ class Pushing:
         every = [begin]
         if self.drag.shaking is not None or self.drag.assembly is not None:
             before = np.append(path.start, depths[:-1])
-            parts = np.ceil((depths - before) * (_TRIED_DEPTHS / (path.end - path.start)) - 1e-9)
+            parts = np.ceil((depths - before) / (RESOLUTION * (path.end - path.start)) - 1e-9)
             pieces = zip(before, depths, np.maximum(parts, 1.0).astype(int), strict=True)
             every += [np.linspace(a, b, n + 1)[1:] for a, b, n in pieces]
             if self.drag.assembly is None:
@@ -262,7 +264,7 @@ class Pushing:
         meets = assembly.heights[np.isfinite(assembly.heights)]
         changes = np.concatenate([self.drag.friction.depths, assembly.bores])
         passings = [(changes[:, None] + meets).ravel()]
-        is_short = np.diff(assembly.heights) < (path.end - path.start) / _TRIED_DEPTHS
+        is_short = np.diff(assembly.heights) < RESOLUTION * (path.end - path.start)
         passings.append((path.stations[:, None] + meets[:-1][is_short[: meets.size - 1]]).ravel())
         every = np.concatenate(passings)
         return np.asarray(every[(every > path.start) & (every < deepest)])
@@ -405,16 +407,23 @@ class Pushing:
         finer = self.pushed(depth, CHECKED[1], STATICS)
         return ends._replace(force=np.where(np.isfinite(finer.force), ends.force, math.inf))
 
+    def shown_at(self, reached: Reached) -> float:
+        """Return the depth in m for which the force of a string that goes no deeper is told.
+
+        Where it locks up a little above that, where its force is not larger than any other.
+        """
+        start = self.drag.path.start
+        length = max(reached.depth - start, LENGTHS[0])
+        return start + (max((1.0 - 1e-3) * length, LENGTHS[0]) if reached.limit == LOCK_UP else length)
+
     def along(self, reached: Reached, limits: Limits) -> tuple[Reached, MeanForce, StressAlong]:
         """Return the reach with the string along its length there, by `mean_force`, whose stress is within limits.
 
-        Where the string locks up, its force is told a little above, where it is not larger than any other.
+        Where the string locks up, its force is told a little above, see `shown_at`.
         """
         path, step = self.drag.path, self.accuracy
         while True:
-            bottom = max(reached.depth, path.start + LENGTHS[0])
-            if reached.limit == LOCK_UP:
-                bottom = max(bottom - 1e-3 * (bottom - path.start), path.start + LENGTHS[0])
+            bottom = self.shown_at(reached)
             along = mean_force(self.rod, self.drag, self.far_force, bottom, None)
             stress = stress_along(self.rod, path, along, along.vibration, self.wellhead)
             largest = weakness(self.rod, cells_of(self.rod, along)) * stress.largest

@@ -46,6 +46,8 @@ from floquetrod.rod.answers.pushing import (
     LOCK_UP,
     MOST_FORCE,
     PUSH,
+    RESOLUTION,
+    STATICS,
     YIELD,
     Limits,
     Pushing,
@@ -61,7 +63,7 @@ from floquetrod.rod.model.stress import Stress
 from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import SOUGHT, Drag, Friction, WellGeometry
+from floquetrod.wells.drag import CHECKED, SOUGHT, Drag, Friction, WellGeometry
 from floquetrod.wells.helix_criteria import HELIX_RULES
 from floquetrod.wells.kernels.wall_contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
@@ -287,6 +289,16 @@ class Reach(units.InUnits, Printed, ByContent):
         reach[np.isclose(self.frequencies, drag.shaking.frequency)] = self.reach_shaken
         return reach
 
+    @cached_property
+    def _injector_at_reach(self) -> tuple[float, float]:
+        """Measured depth in m, ``reach`` or a little above lock-up, and compression in N at the injector there.
+
+        Without a tool.
+        """
+        string = replace(self._pushing, drag=replace(self._pushing.drag, shaking=None), passed=-math.inf)
+        bottom = string.shown_at(Reached(self.reach, self.limit))
+        return bottom, float(string.pushed(np.array([bottom]), CHECKED[0], STATICS).force[0])
+
     @property
     def gain_at_speeds(self) -> Floats:
         """Increase of the reach by the tool in m, while the string slides at each of ``speeds``."""
@@ -453,6 +465,7 @@ class Reach(units.InUnits, Printed, ByContent):
             ("string", weight_in_words(self.weight_per_length, self.fluids, shown, is_mean=bool(self.rod.sections))),
             ("limit", self._limit_in_words(shown)),
             ("lock-up", self._lock_up_in_words(shown)),
+            *self._error_lines(unit),
         ]
         if self.wellhead_force:
             lines.append(("wellhead", self.wellhead.in_words(self._at_wellhead, "pushed", shown)))
@@ -504,6 +517,18 @@ class Reach(units.InUnits, Printed, ByContent):
             f"without the tool {at(self.lock_up)}; with it {at(self.lock_up_shaken)}" if self.tool else at(self.lock_up)
         )
         return f"by friction, whatever the stress and the push: {stops}"
+
+    def _error_lines(self, unit: Unit) -> list[tuple[str, str]]:
+        """Return the error of the reach with a tool, and how far apart the depths lie that were examined."""
+        lines = []
+        if self.tool is not None and self.is_stopped_shaken:
+            error = unit.show(_ERROR * self.reach_shaken, 1)
+            lines.append(("error", f"some {error} with the tool, {100.0 * _ERROR:g} % of the depth"))
+        if self.tool is not None or self.rod.sections:
+            apart = unit.show(RESOLUTION * (self.path.end - self.path.start), 3)
+            found = "a string that is stopped and goes on again between two of them is not seen to be"
+            lines.append(("sampled", f"at depths {apart} apart or less: {found}"))
+        return lines
 
     def _speeds_in_words(self, shown: AnswerUnits) -> str:
         """Return the depth gained by the tool while the string slides at its speed and at two others."""
