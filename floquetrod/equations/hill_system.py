@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Complexes, Floats, norms
@@ -474,11 +475,11 @@ def damped(system: HillSystem, rate: float) -> HillSystem:
     return system_with_damping
 
 
-def restricted(system: HillSystem, kept: slice) -> HillSystem:
+def restricted(system: HillSystem, kept: slice | NDArray[np.intp]) -> HillSystem:
     """Return the equations ``kept`` of a system of one Fourier series, without their coupling to the others."""
 
     def block(matrix: Matrix | None) -> Any:
-        return None if matrix is None else matrix[..., kept, kept].copy()
+        return None if matrix is None else matrix[..., kept, :][..., kept].copy()
 
     subsystem: HillSystem = matrices.remade(
         system,

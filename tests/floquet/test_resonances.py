@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from tests.conftest import depth
 from tests.system_cases import beam, coupled, wide
 
 FLUTTER = np.array([[2.0, -1.0], [-1.0, 1.0]]), np.array([[1.0, -0.5], [0.0, 0.5]])
@@ -113,3 +114,44 @@ def test_the_tongue_of_one_equation_with_sines() -> None:
     hill = fr.stability(fr.Hill(-0.5, (-3.0, -1.0), (-2.0, 2.5), period=math.pi), method="spectral")
     (found,) = fr.stability(sines).resonances
     assert hill.interval == ("tongue", found.order)
+
+
+def tongues_by_themselves(a: list[float], q: list[float], damping: float) -> set[tuple[int, int]]:
+    """Return the modes and orders of the tongues in which Mathieu's equations lie where they are unstable."""
+    numbers = np.argsort(np.argsort(a)) + 1
+    equations = (fr.stability(fr.Mathieu.from_aq(*each, damping)) for each in zip(a, q, strict=True))
+    unstable = [(int(i), found) for i, found in zip(numbers, equations, strict=True) if found.status == "unstable"]
+    assert all(found.interval is not None and found.interval.kind == "tongue" for _, found in unstable)
+    return {(i, found.interval.order) for i, found in unstable if found.interval is not None}
+
+
+@pytest.mark.parametrize("seed", range(depth(100, 12)))
+def test_equations_coupled_with_no_other_are_named_by_their_tongues(seed: int) -> None:
+    drawn = np.random.default_rng([57, seed])
+    n = int(drawn.integers(2, 4))
+    a, q, damping = drawn.uniform(-6.0, 8.0, n), drawn.uniform(-6.0, 6.0, n), float(drawn.choice([0.0, 0.05, 0.3]))
+    system = fr.HillSystem(np.diag(a), [np.diag(-2.0 * q)], damping=2.0 * damping * np.eye(n), period=math.pi)
+    found = {(name.modes[0], name.order) for name in fr.stability(system).resonances}
+    assert found == tongues_by_themselves(a.tolist(), q.tolist(), damping)
+
+
+def test_a_trap_that_loses_its_ions_by_the_drive_does_not_buckle() -> None:
+    """Both axes of a linear trap: the direct voltage pushes x away, which is lost with a multiplier below -1."""
+    trap = fr.HillSystem(np.diag([-0.1, 0.1]), [np.diag([-2.4, 2.4])], period=math.pi)
+    result = fr.stability(trap)
+    assert min(multiplier.real for multiplier in result.multipliers) < -1.0
+    assert [(name.kind, name.order) for name in result.resonances] == [("direct", 1)] * len(result.resonances)
+
+
+@pytest.mark.parametrize("seed", range(depth(200, 25)))
+def test_no_name_contradicts_the_sign_of_a_multiplier(seed: int) -> None:
+    """Buckling and direct resonances of even order have multipliers above 1, direct ones of odd order below -1."""
+    drawn = np.random.default_rng([58, seed])
+    stiffness, forcing = (0.5 * (m + m.T) for m in drawn.uniform(-4.0, 4.0, (2, 3, 3)))
+    result = fr.stability(fr.HillSystem(stiffness + 3.0 * np.eye(3), [forcing], period=math.pi))
+    signs = {
+        exponent.real: round(math.cos(exponent.imag * math.pi), 6) for exponent in result.exponents if exponent.real > 0
+    }
+    for name in result.resonances:
+        if name.kind in ("buckling", "direct"):
+            assert signs[name.growth_rate] * (-1) ** name.order > 0.0

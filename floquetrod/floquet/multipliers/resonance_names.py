@@ -1,10 +1,11 @@
 """Names of growing solutions: which natural frequencies of the mean system combine with the forcing.
 
-A heuristic, except for one equation of second order, whose tongue is counted.
+A heuristic, except for equations of second order that are coupled with no other, whose tongues are counted.
 """
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
@@ -14,9 +15,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
-from floquetrod.equations.hill_system import in_first_order
+from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.hill_system import in_first_order, restricted
 from floquetrod.equations.pieces import fourier
 from floquetrod.floquet.hill_count import hill_count
+from floquetrod.floquet.multipliers import whole_period_maps
 from floquetrod.floquet.verdict import Interval
 
 Ints = NDArray[np.intp]
@@ -25,6 +28,8 @@ _HIGHEST_ORDER = 40  # of resonances searched for
 _MOST_MODES = 200  # of a system whose resonances are named: their number grows with the square
 _PER_ORDER = 0.05  # penalty of an order, in detuning relative to w: low orders grow faster
 _UNCOUPLED = 0.2  # penalty, alike, where the harmonic of that order does not couple the modes
+_ACCURACY = 1e-10  # of the maps of single equations, whose growth tells them apart
+_ALIKE = 1e-6  # growth times period, relative above 1, and distance of multipliers on the unit circle (a choice)
 _NOTHING = 1e-9  # an angle, or a share of the largest frequency or coupling, below it counts as 0
 
 _UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
@@ -105,41 +110,89 @@ def name(
     # The frequencies of second moments are sums and differences of the natural ones; complex modes have no conjugates.
     if system.MEANING or (isinstance(system, PeriodicSystem) and system.is_complex):
         return ()
-    if growing and (tongue := _tongue(system)) is not None:
-        kind: Literal["direct", "buckling"] = "direct" if tongue else "buckling"
-        return (Resonance(kind, (1,), tongue, growing[0].real),)
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
-    modes = _mean_modes(system) if growing and equations <= _MOST_MODES else None
-    if modes is None or len(modes.poles) > _MOST_MODES:
+    if not growing or equations > _MOST_MODES:
+        return ()
+    singles = _singles(system) if isinstance(system, HillSystem) and not system.pieces else []
+    by_tongue = _by_tongues(singles, growing, float(system.period))
+    modes = _mean_modes(system, singles) if len(by_tongue) < len(growing) or singles else None
+    if modes is None or len(modes.poles) + len(singles) > _MOST_MODES:
         return ()
     differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
     w = 2.0 * math.pi / float(system.period)
     names: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
     pairs = _Pairs.of(modes, w, differences)
-    for exponent in growing:
-        candidates = [*_combinations(modes, pairs, exponent, w), *_of_the_mean(modes, exponent, w)]
-        if candidates:
-            best = min(candidates, key=lambda candidate: candidate[:3]).name
+    for place, exponent in enumerate(growing):
+        if place in by_tongue:
+            number = int(modes.of_singles[by_tongue[place]])
+            tongue = singles[by_tongue[place]].tongue or 0
+            found = [Resonance("direct" if tongue else "buckling", (number,), tongue, exponent.real)]
+        else:
+            candidates = [*_combinations(modes, pairs, exponent, w), *_of_the_mean(modes, exponent, w)]
+            found = [min(candidates, key=lambda candidate: candidate[:3]).name] if candidates else []
+        for best in found:
             names.setdefault((best.kind, best.modes, best.order), best)
     return tuple(names.values())
 
 
-def _tongue(system: HillSystem | PeriodicSystem) -> int | None:
-    """Return in which tongue of Hill's equation one equation of second order lies, its damping removed.
+class _Single(NamedTuple):
+    """An equation of second order, not driven into growth by its damping, that is coupled with no other."""
 
-    None for other systems, with jumps, and where it lies in no tongue, or cannot be counted.
-    """
-    if not isinstance(system, HillSystem) or system.order > 1 or system.pieces:
-        return None
-    mass = 1.0 if system.mass is None else float(system.mass[0, 0])
-    damping = 0.0 if system.damping is None else 0.5 * float(system.damping[0, 0]) / mass
-    mean = damping**2 - float(system.stiffness[0, 0]) / mass
-    harmonics = -np.asarray(system.harmonics, dtype=np.complex128)[:, 0, 0] / mass
-    below = hill_count(mean, harmonics, 2.0 * math.pi / float(system.period)).below
-    if below is None:
+    unknown: int  # its place in the system
+    pole: complex  # exponent of its mean, growing or with positive imaginary part
+    tongue: int | None  # of Hill's equation in which it lies, its damping removed; None in none
+    growth_rate: float  # of its fastest solution, where it lies in a tongue; infinite where its map overflows
+
+
+def _singles(system: HillSystem) -> list[_Single]:
+    """Return the equations that are coupled with no other and whose tongue can be counted."""
+    given = [m for m in (system.stiffness, system.mass, system.damping, system.gyroscopic) if m is not None]
+    coupled = np.any([m != 0.0 for m in given], axis=0) | (system.harmonics != 0.0).any(axis=0)
+    np.fill_diagonal(coupled, val=False)
+    alone = ~(coupled.any(axis=0) | coupled.any(axis=1))
+    singles = (_single(system, int(unknown)) for unknown in np.flatnonzero(alone))
+    return [single for single in singles if single is not None]
+
+
+def _single(system: HillSystem, unknown: int) -> _Single | None:
+    """Return what is known of an equation by itself; None with damping below zero, or where it cannot be counted."""
+    equation = restricted(system, np.array([unknown]))
+    mass = 1.0 if equation.mass is None else float(equation.mass[0, 0])
+    damping = 0.0 if equation.damping is None else 0.5 * float(equation.damping[0, 0]) / mass
+    mean = damping**2 - float(equation.stiffness[0, 0]) / mass
+    harmonics = -np.asarray(equation.harmonics, dtype=np.complex128)[:, 0, 0] / mass
+    below = hill_count(mean, harmonics, 2.0 * math.pi / float(equation.period)).below
+    if below is None or damping < 0.0:
         return None
     interval = Interval.from_count(below)
-    return interval.order if interval.kind == "tongue" else None
+    pole = cmath.sqrt(mean) - damping
+    if interval.kind != "tongue":
+        return _Single(unknown, pole, None, -math.inf)
+    pieces = by_pieces.of_batch(equation.as_periodic_system())
+    matrix = whole_period_maps.period_maps(pieces, 0.0, _ACCURACY, paired=False).matrix[0]
+    largest = float(np.abs(np.linalg.eigvals(matrix)).max()) if np.isfinite(matrix).all() else math.inf
+    return _Single(unknown, pole, interval.order, math.log(largest) / float(equation.period))
+
+
+def _by_tongues(singles: Sequence[_Single], growing: Sequence[complex], period: float) -> dict[int, int]:
+    """Return the places of growing exponents of single equations, and the places of these among ``singles``.
+
+    Multipliers of tongue k have the sign of (-1)^k; of several equations that have it, the nearest in growth is meant.
+    """
+    left = {i: single for i, single in enumerate(singles) if single.tongue is not None}
+    found: dict[int, int] = {}
+    for place, exponent in enumerate(growing):
+        half_turns = exponent.imag * period / math.pi
+        apart = {
+            i: abs(single.growth_rate - exponent.real) if math.isfinite(single.growth_rate) else 0.0
+            for i, single in left.items()
+            if abs((half_turns - (single.tongue or 0) + 1.0) % 2.0 - 1.0) < _ALIKE
+        }
+        nearest = min(apart, key=apart.__getitem__, default=None)
+        if nearest is not None and apart[nearest] <= _ALIKE * max(exponent.real, 1.0 / period):
+            found[place] = nearest
+            del left[nearest]
+    return found
 
 
 def _by_multipliers(
@@ -163,10 +216,18 @@ class _MeanModes(NamedTuple):
     up: NDArray[np.intp]  # (m,), place of the exponent in ``coupling``
     down: NDArray[np.intp]  # (m,), place of its conjugate
     coupling: Floats  # (H, N, N), of exponents by each harmonic, both ways, relative to its strongest
+    numbers: Ints  # (m,), of the modes among all
+    of_singles: Ints  # numbers of single equations
 
 
-def _mean_modes(system: HillSystem | PeriodicSystem) -> _MeanModes | None:
-    """Return the modes of the mean system; None where they cannot be computed."""
+def _mean_modes(system: HillSystem | PeriodicSystem, singles: Sequence[_Single] = ()) -> _MeanModes | None:
+    """Return the modes of the mean system without its single equations; None where they cannot be computed."""
+    alone = np.array([single.pole for single in singles], dtype=np.complex128)
+    if isinstance(system, HillSystem) and singles:
+        if len(singles) == system.order:
+            none = np.zeros(0, dtype=np.intp)
+            return _MeanModes(alone[:0], none, none, np.zeros((0, 0, 0)), none, _numbers(alone))
+        system = restricted(system, np.setdiff1d(np.arange(system.order), [single.unknown for single in singles]))
     freed = system.undamped if isinstance(system, HillSystem) and system.is_symmetric else None
     is_plain = freed is not None and not freed[0].pieces and freed[0].mass is None and freed[0].gyroscopic is None
     spectrum = _symmetric(*freed) if freed is not None and is_plain else None
@@ -186,7 +247,15 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _MeanModes | None:
     with np.errstate(all="ignore"):
         strongest = couplings.max(axis=(-2, -1), keepdims=True, initial=0.0)
         coupling = np.nan_to_num(couplings / strongest)
-    return _MeanModes(values[up], up, partners, coupling)
+    numbers = _numbers(np.concatenate([values[up], alone]))
+    return _MeanModes(values[up], up, partners, coupling, numbers[: len(up)], numbers[len(up) :])
+
+
+def _numbers(poles: Complexes) -> Ints:
+    """Return the numbers of modes: those that do not oscillate first, the fastest of these first."""
+    numbers = np.empty(len(poles), dtype=np.intp)
+    numbers[np.lexsort([np.where(poles.imag == 0.0, -poles.real, 0.0), poles.imag])] = 1 + np.arange(len(poles))
+    return numbers
 
 
 def _of_first_order(first: PeriodicSystem) -> tuple[Complexes, Floats] | None:
@@ -244,7 +313,7 @@ class _Pairs(NamedTuple):
         """Return the pairs; without ``differences``, because all modes have one Krein sign, sums alone."""
         f = modes.poles.imag
         first, second = np.triu_indices(len(f))
-        possible = ~_buckles(modes)[first]
+        possible = ~_buckles(modes)[first] | (first == second)  # a mode pushed over may be held, and resonate
         first, second = first[possible], second[possible]
         sums = _near(modes, f[first] + f[second], w, modes.up[first], modes.down[second])
         if not differences:
@@ -255,7 +324,10 @@ class _Pairs(NamedTuple):
 
 
 def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float) -> list[_Candidate]:
-    """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order."""
+    """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order.
+
+    A direct resonance of odd order has a multiplier nearer to -1 than to 1, one of even order the other way round.
+    """
     f = modes.poles.imag
     first, second, orders = pairs.first, pairs.second, pairs.orders
     if not first.size:
@@ -264,6 +336,7 @@ def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float)
     mismatch = np.repeat((angle[first] + angle[second])[:, None], orders.shape[1], axis=1)
     same = first == second
     mismatch[same] = 2.0 * _off(exponent, 0.5 * orders[same] * w, w)
+    mismatch[same] = np.where(mismatch[same] < 0.5, mismatch[same], math.inf)
     misfits = pairs.detuning + mismatch + pairs.cost + _PER_ORDER * orders
     # The first of the least, in the order of modes, kinds and orders.
     pair, column = divmod(int(np.where(np.isnan(misfits), math.inf, misfits).argmin()), misfits.shape[1])
@@ -271,7 +344,7 @@ def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float)
     if not misfit < math.inf:
         return []
     kind: Literal["direct", "sum", "difference"] = "direct" if i == j else "sum" if column < 3 else "difference"
-    members = (i + 1,) if i == j else (i + 1, j + 1)
+    members = (int(modes.numbers[i]),) if i == j else _members(modes, i, j)
     return [_Candidate(misfit, 0, i, Resonance(kind, members, int(orders[pair, column]), exponent.real))]
 
 
@@ -294,19 +367,31 @@ def _near(modes: _MeanModes, total: Floats, w: float, first: Ints, second: Ints)
 
 
 def _of_the_mean(modes: _MeanModes, exponent: complex, w: float) -> list[_Candidate]:
-    """Return the candidates without forcing: buckling, and flutter, where two modes of the mean system have met."""
+    """Return the candidates without forcing: buckling, and flutter, where two modes of the mean system have met.
+
+    Buckling has a multiplier nearer to 1 than to -1.
+    """
     poles, frequencies = modes.poles, modes.poles.imag
     candidates = []
     for i in np.flatnonzero(_buckles(modes)).tolist():
-        misfit = _off(exponent, 0.0, w) + abs(poles[i].real - exponent.real) / w
-        candidates.append(_Candidate(float(misfit), 0, i, Resonance("buckling", (i + 1,), 0, exponent.real)))
+        off = _off(exponent, 0.0, w)
+        if off < 0.25:
+            misfit = off + abs(poles[i].real - exponent.real) / w
+            name = Resonance("buckling", (int(modes.numbers[i]),), 0, exponent.real)
+            candidates.append(_Candidate(float(misfit), 0, i, name))
     for i, pole in enumerate(poles):
         if pole.real > _NOTHING * abs(pole) and pole.imag > 0.0 and len(poles) > 1:
             j = min((k for k in range(len(poles)) if k != i), key=lambda k: abs(frequencies[k] - pole.imag))
-            members = (min(i, j) + 1, max(i, j) + 1)
+            members = _members(modes, i, j)
             misfit = _off(exponent, pole.imag, w)
             candidates.append(_Candidate(float(misfit), 1, i, Resonance("difference", members, 0, exponent.real)))
     return candidates
+
+
+def _members(modes: _MeanModes, i: int, j: int) -> tuple[int, int]:
+    """Return the numbers of two modes, the lower first."""
+    first, second = sorted((int(modes.numbers[i]), int(modes.numbers[j])))
+    return first, second
 
 
 def _buckles(modes: _MeanModes) -> Bools:

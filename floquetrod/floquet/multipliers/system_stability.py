@@ -90,7 +90,8 @@ class SystemStability(FloquetVerdict):
     def resonances(self) -> tuple[Resonance, ...]:
         """Names of the growing solutions, the fastest first; they do not affect the verdict.
 
-        They are heuristic, except for one equation of second order without jumps, whose tongue is counted.
+        They are heuristic, except for equations of second order that are coupled with no other, without jumps, whose
+        tongues are counted.  None contradicts the sign of a real multiplier.
         Solutions whose growth is below its error have none, unless it is the fastest.
         """
         if self.status != "unstable":
