@@ -1,4 +1,4 @@
-"""Names of bands, placed inside them where there is room; laid out again whenever a figure is drawn."""
+"""Names of bands, inside them where there is room, else beside; laid out again whenever a figure is drawn."""
 
 from __future__ import annotations
 
@@ -17,6 +17,13 @@ Mask = NDArray[np.bool_]
 _CELL = 1.5  # side in points of the cells in which room is searched for (a choice)
 _MOST = 300  # bands examined, the largest ones (a choice)
 _ROOM = 3.0  # points around a label (a choice)
+_FEW = 6  # bands without room inside, of which each is named beside it; of more none is, for a clear picture (a choice)
+_BESIDE = 30.0  # points between a band and its name beside it, at most (a choice)
+_CENTRED = 1e-3  # weight of the distance of a point from the middle of its label (a choice)
+_COVERED = 1e3  # weight of a cell that is covered, against a cell of distance (a choice)
+_LEADER: dict[str, Any] = {"color": "black", "linewidth": 0.7, "linestyle": (0.0, (1.0, 2.0))}
+_END: dict[str, Any] = {"color": "black", "marker": "o", "markersize": 2.0, "linestyle": "none"}
+"""Styles of a line and of its end at the point: dotted, as no boundary of a chart is."""
 
 
 def label(band: Any) -> str:
@@ -49,19 +56,23 @@ def add_labels(
     halo: bool,
     note: Callable[[str], str] | None = None,
     others: Sequence[Any] = (),
-) -> None:
+) -> Any:
     """Name the bands in axes whenever these are drawn; ``halo``: letters are edged, for areas that may be dark.
+
+    A few bands that are too narrow for their names have them beside, joined by a dotted line.  Returns the artist, None
+    where no band has a name.
 
     ``note`` makes the note over the legend of what a label means, which then is explained by one that is drawn, or by
     one of the ``others``, bands named elsewhere.
     """
     named = sorted((band for band in bands if label(band)), key=_area, reverse=True)[:_MOST]
     if not named:
-        return
-    drawn = _artists().labels([label(band) for band in named], named, halo)
+        return None
+    drawn = _artists().labels([label(band) for band in named], named, halo, others)
     ax.add_artist(drawn)
     if note is not None:
         ax.add_artist(_artists().note(drawn, lambda shown: note(explanation([*(named[i] for i in shown), *others]))))
+    return drawn
 
 
 def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) -> list[tuple[float, float] | None]:
@@ -85,6 +96,41 @@ def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) ->
     return positions
 
 
+def places_beside(
+    wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask, numbers: Sequence[int]
+) -> dict[int, tuple[Floats, Floats]]:
+    """Return where labels of some of the polygons go beside them, by number, and the point of the polygon each names.
+
+    As `places`.  Nothing is written on any of the polygons, nor far from the one that is named; one that overlaps
+    another is not named.
+    """
+    covers = [cells_inside(x, y, free.shape) for x, y, _, _ in wanted]
+    count = np.zeros(free.shape, dtype=np.int32)
+    for cover in covers:
+        count += cover
+    free, found, outlines = free & (count == 0), {}, []
+    for x, y, _, _ in wanted:
+        around = _along(np.column_stack([np.append(x, x[0]), np.append(y, y[0])]), 0.5)
+        seen = ((around > -0.5) & (around < np.array(free.shape[::-1]) - 0.5)).all(axis=1)
+        outlines.append(around[seen])
+        column, row = np.rint(around[seen]).astype(int).T
+        free[row, column] = False
+    for number in numbers:
+        points, size = outlines[number], np.array(wanted[number][2:])
+        if not len(points) or (count[covers[number]] > 1).any():
+            continue
+        point = points[np.hypot(*(points - points.mean(axis=0)).T).argmin()]
+        middle = nearest_room(free, point, size)
+        if middle is None:
+            continue
+        (left, low), (w, h) = np.rint(middle - 0.5 * (np.ceil(size) - 1.0)).astype(int), np.ceil(size).astype(int)
+        near = np.hypot(*(np.clip(point, middle - 0.5 * size, middle + 0.5 * size) - point)) * _CELL <= _BESIDE
+        if near and free[low : low + h, left : left + w].all():
+            take(free, middle, size)
+            found[number] = middle, point
+    return found
+
+
 def _roomiest(mask: Mask, width: float, height: float) -> tuple[float, float] | None:
     """Return the middle (column, row) of the largest rectangle of this shape, or larger, that lies in a mask."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
@@ -106,6 +152,41 @@ def _roomiest(mask: Mask, width: float, height: float) -> tuple[float, float] | 
         row, column = fits[np.abs(fits - fits.mean(axis=0)).sum(axis=1).argmin()]
         best = left + column + 0.5 * (w - 1), top + row + 0.5 * (h - 1)
     return best
+
+
+def nearest_room(free: Mask, point: Floats, size: Floats) -> Floats | None:
+    """Return the middle (column, row) of the rectangle nearest to a point that covers least of what is not free.
+
+    All in cells, ``free`` in rows and columns.  None where there is no room for its size (width, height).
+    """
+    (w, h), (rows, columns) = np.ceil(size).astype(int), free.shape
+    if w > columns or h > rows:
+        return None
+    sums = np.zeros((rows + 1, columns + 1), dtype=np.int64)
+    sums[1:, 1:] = (~free).cumsum(axis=0).cumsum(axis=1)
+    covered = sums[h:, w:] - sums[:-h, w:] - sums[h:, :-w] + sums[:-h, :-w]
+    x, y = np.arange(covered.shape[1]), np.arange(covered.shape[0])
+    across = np.maximum(np.maximum(x - point[0], point[0] - (x + w - 1)), 0.0)
+    up = np.maximum(np.maximum(y - point[1], point[1] - (y + h - 1)), 0.0)[:, None]
+    aside = np.hypot(x + 0.5 * (w - 1) - point[0], (y + 0.5 * (h - 1) - point[1])[:, None])
+    cost = _COVERED * covered + np.hypot(across, up) + _CENTRED * aside
+    row, column = np.unravel_index(cost.argmin(), cost.shape)
+    return np.array([column + 0.5 * (w - 1), row + 0.5 * (h - 1)])
+
+
+def take(free: Mask, middle: Floats, size: Floats) -> None:
+    """Mark the cells of a rectangle as taken."""
+    (left, bottom), (right, top) = (np.rint(middle + side * size).astype(int) for side in (-0.5, 0.5))
+    free[max(0, bottom) : top + 1, max(0, left) : right + 1] = False
+
+
+def draw_line(figure: Any, renderer: Any, x: Floats, y: Floats) -> None:
+    """Draw the dotted line from a point, with a dot, to its label, in pixels."""
+    from matplotlib.lines import Line2D
+
+    for line in (Line2D(x, y, **_LEADER), Line2D(x[:1], y[:1], **_END)):
+        line.set_figure(figure)
+        line.draw(renderer)
 
 
 def cells_inside(x: Floats, y: Floats, shape: tuple[int, int]) -> Mask:
@@ -143,30 +224,47 @@ def _artists() -> _Artists:
     class Labels(Artist):
         """Labels of polygons, placed when drawn: then the size of the axes, and what else they hold, is known."""
 
-        def __init__(self, names: Sequence[str], shapes: Sequence[Any], halo: bool) -> None:
+        def __init__(self, names: Sequence[str], shapes: Sequence[Any], halo: bool, others: Sequence[Any]) -> None:
             super().__init__()
             self.set_zorder(2.5)
             self.set_in_layout(False)
             self.shapes = shapes
+            self.others = others
             effects = [withStroke(linewidth=1.8, foreground=palette.STABLE)] if halo else []
             style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "x-small"}
             self.texts = [Text(0, 0, name, path_effects=effects, **style) for name in names]
             self.ready: list[int] | None = None  # where they have been placed for the note of the same picture
             self.shown: list[str] = []
+            self.lines: dict[int, Floats] = {}  # from bands to their names beside them, in pixels
 
         def placed(self, renderer: Any) -> list[int]:
             """Place the labels and return the numbers of those for which there is room."""
             axes: Any = self.axes
             cell = renderer.points_to_pixels(_CELL)
             window = axes.get_window_extent(renderer)
-            wanted = []
+            corner, around, wanted = np.array([window.x0, window.y0]), _ROOM / _CELL, []
+
+            def in_cells(shape: Any) -> Floats:
+                points = axes.transData.transform(np.column_stack([shape.x, shape.y]))
+                return np.asarray(((points - corner) / cell - 0.5).T)
+
             for shape, text in zip(self.shapes, self.texts, strict=True):
                 text.set_figure(self.figure)
-                points = axes.transData.transform(np.column_stack([shape.x, shape.y]))
-                x, y = ((points - (window.x0, window.y0)) / cell - 0.5).T
-                around, size = _ROOM / _CELL, text.get_window_extent(renderer)
+                (x, y), size = in_cells(shape), text.get_window_extent(renderer)
                 wanted.append((x, y, size.width / cell + around, size.height / cell + around))
-            positions = places(wanted, free_cells(axes, renderer, cell))
+            free = free_cells(axes, renderer, cell)
+            positions: list[Any] = places(wanted, free)
+            outside = [number for number, place in enumerate(positions) if place is None]
+            for shape in self.others if outside else ():
+                x, y = in_cells(shape)
+                free &= ~cells_inside(x, y, free.shape)
+            beside = places_beside(wanted, free, outside) if len(outside) <= _FEW else {}
+            self.lines = {}
+            for number, (place, point) in beside.items():
+                positions[number] = place
+                half = 0.5 * (np.array(wanted[number][2:]) - around)
+                ends = np.array([point, np.clip(point, place - half, place + half)])
+                self.lines[number] = corner + cell * (ends + 0.5)
             for text, place in zip(self.texts, positions, strict=True):
                 if place is not None:
                     text.set_position((window.x0 + (place[0] + 0.5) * cell, window.y0 + (place[1] + 0.5) * cell))
@@ -178,9 +276,16 @@ def _artists() -> _Artists:
                 return
             numbers = self.placed(renderer) if self.ready is None else self.ready
             drawn, self.ready = [self.texts[number] for number in numbers], None
+            for number in numbers:
+                if number in self.lines:
+                    draw_line(self.figure, renderer, *self.lines[number].T)
             for text in drawn:
                 text.draw(renderer)
             self.shown = [text.get_text() for text in drawn]
+
+        def boxes_beside(self, renderer: Any) -> list[Any]:
+            """Return the boxes of the names that are written beside their bands."""
+            return [self.texts[number].get_window_extent(renderer) for number in self.lines]
 
     class Note(Artist):
         """What keeps the note over a legend true, which is drawn before the labels are: it draws nothing."""

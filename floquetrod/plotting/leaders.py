@@ -11,17 +11,11 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats
 from floquetrod.plotting import palette
-from floquetrod.plotting.labels import Mask, add_labels, cells_inside, free_cells, label
+from floquetrod.plotting.labels import add_labels, cells_inside, draw_line, free_cells, label, nearest_room, take
 
 _CELL = 2.0  # side in points of the cells in which room is searched for (a choice)
 _ROOM = 4.0  # points around a label (a choice)
 _NEAR = 9.0  # points up to which a label needs no line (a choice)
-_CENTRED = 1e-3  # weight of the distance from its middle (a choice)
-_LEADER: dict[str, Any] = {"color": "black", "linewidth": 0.7, "linestyle": (0.0, (1.0, 2.0))}
-_END: dict[str, Any] = {"color": "black", "marker": "o", "markersize": 2.0, "linestyle": "none"}
-"""Styles of a line and of its end at the point: dotted, as no boundary of a chart is."""
-
-_COVERED = 1e3  # weight of a cell that is covered, against a cell of distance (a choice)
 
 
 def add_leaders(
@@ -30,57 +24,30 @@ def add_leaders(
     points: Sequence[tuple[float, float]],
     shapes: Sequence[Any] = (),
     farthest: float = math.inf,
+    written: Any = None,
 ) -> None:
     """Name points, in the units of the axes, where nothing is covered, nor ``shapes``, which have ``x`` and ``y``.
 
-    A name for which there is no room within so many typographic points, ``farthest``, is left out.
+    A name for which there is no room within so many typographic points, ``farthest``, is left out.  ``written`` are
+    names of bands, as of `floquetrod.plotting.labels.add_labels`, over which nothing is written.
     """
     if names:
-        ax.add_artist(_artist()(names, points, shapes, farthest))
+        ax.add_artist(_artist()(names, points, shapes, farthest, written))
 
 
 def name_bands(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str], str] | None = None) -> None:
-    """Name bands inside them, and each of the tongues that merge in one beside the place where it begins.
-
-    As `floquetrod.plotting.labels.add_labels`.
-    """
+    """Name bands as `floquetrod.plotting.labels.add_labels`, and tongues that merge in one where each begins."""
     merging = [band for band in bands if band.merged]
     tongues = [tongue for band in merging for tongue in band.merged]
-    add_labels(ax, [band for band in bands if not band.merged], halo=halo, note=note, others=merging)
-    add_leaders(ax, [label(tongue) for tongue in tongues], [tongue.place for tongue in tongues], bands)
-
-
-def nearest_room(free: Mask, point: Floats, size: Floats) -> Floats | None:
-    """Return the middle (column, row) of the rectangle nearest to a point that covers least of what is not free.
-
-    All in cells, ``free`` in rows and columns.  None where there is no room for its size (width, height).
-    """
-    (w, h), (rows, columns) = np.ceil(size).astype(int), free.shape
-    if w > columns or h > rows:
-        return None
-    sums = np.zeros((rows + 1, columns + 1), dtype=np.int64)
-    sums[1:, 1:] = (~free).cumsum(axis=0).cumsum(axis=1)
-    covered = sums[h:, w:] - sums[:-h, w:] - sums[h:, :-w] + sums[:-h, :-w]
-    x, y = np.arange(covered.shape[1]), np.arange(covered.shape[0])
-    across = np.maximum(np.maximum(x - point[0], point[0] - (x + w - 1)), 0.0)
-    up = np.maximum(np.maximum(y - point[1], point[1] - (y + h - 1)), 0.0)[:, None]
-    aside = np.hypot(x + 0.5 * (w - 1) - point[0], (y + 0.5 * (h - 1) - point[1])[:, None])
-    cost = _COVERED * covered + np.hypot(across, up) + _CENTRED * aside
-    row, column = np.unravel_index(cost.argmin(), cost.shape)
-    return np.array([column + 0.5 * (w - 1), row + 0.5 * (h - 1)])
-
-
-def take(free: Mask, middle: Floats, size: Floats) -> None:
-    """Mark the cells of a rectangle as taken."""
-    (left, bottom), (right, top) = (np.rint(middle + side * size).astype(int) for side in (-0.5, 0.5))
-    free[max(0, bottom) : top + 1, max(0, left) : right + 1] = False
+    written = add_labels(ax, [band for band in bands if not band.merged], halo=halo, note=note, others=merging)
+    names, starts = [label(tongue) for tongue in tongues], [tongue.place for tongue in tongues]
+    add_leaders(ax, names, starts, bands, written=written)
 
 
 @functools.cache
 def _artist() -> Any:
     """Return the class of the artist, which matplotlib is imported for."""
     from matplotlib.artist import Artist
-    from matplotlib.lines import Line2D
     from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
 
@@ -93,6 +60,7 @@ def _artist() -> Any:
             points: Sequence[tuple[float, float]],
             shapes: Sequence[Any],
             farthest: float,
+            written: Any,
         ) -> None:
             super().__init__()
             self.set_zorder(5.0)
@@ -103,6 +71,7 @@ def _artist() -> Any:
             self.points = points
             self.shapes = shapes
             self.farthest = farthest
+            self.written = written
 
         def draw(self, renderer: Any) -> None:
             """Draw every label, and the line to its point."""
@@ -120,6 +89,8 @@ def _artist() -> Any:
             for shape in self.shapes:
                 x, y = in_cells(shape.x, shape.y).T
                 free &= ~cells_inside(x, y, free.shape)
+            for box in self.written.boxes_beside(renderer) if self.written is not None else ():
+                take(free, (0.5 * (box.min + box.max) - corner) / cell - 0.5, np.array([box.width, box.height]) / cell)
             for text, (point,) in zip(self.texts, (in_cells(*each) for each in self.points), strict=True):
                 text.set_figure(self.figure)
                 text.set_visible(True)  # else it has no extent
@@ -134,9 +105,7 @@ def _artist() -> Any:
                 take(free, middle, size + _ROOM / _CELL)
                 if away > _NEAR:
                     x, y = (corner + cell * (np.array([point, end]) + 0.5)).T
-                    for line in (Line2D(x, y, **_LEADER), Line2D(x[:1], y[:1], **_END)):
-                        line.set_figure(self.figure)
-                        line.draw(renderer)
+                    draw_line(self.figure, renderer, x, y)
                 text.set_position(corner + cell * (middle + 0.5))
                 text.draw(renderer)
 

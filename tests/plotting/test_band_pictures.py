@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from matplotlib import pyplot
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 import floquetrod as fr
@@ -250,10 +251,37 @@ def test_labels_name_what_is_known() -> None:
 def test_labels_lie_in_their_bands_and_nowhere_else() -> None:
     wide, other, thin = box(0.1, 0.5, 0.1, 0.9, 7, 1), box(0.4, 0.9, 0.3, 0.6, 8, 1), box(0.95, 0.96, 0.0, 1.0, 9, 1)
     places = shown(bands_of(wide, other, thin).plot())
-    assert places.keys() == {"7·1", "8·1"}
+    assert places.keys() == {"7·1", "8·1", "9·1"}
+    assert places["9·1"][0] > 0.9
+    assert not 0.95 < places["9·1"][0] < 0.96  # beside it
     assert 0.1 < places["7·1"][0] < 0.4
     assert 0.5 < places["8·1"][0] < 0.9
     assert shown(bands_of(wide, box(0.1, 0.5, 0.1, 0.9, 8, 1)).plot()) == {}  # one over the other
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize("seed", range(depth(20, 5)))
+def test_a_few_narrow_bands_have_their_names_beside(seed: int) -> None:
+    rng = np.random.default_rng([51, seed])
+    edges = np.sort(rng.uniform(0.02, 0.95, 5)) + 0.01 * np.arange(5)
+    thin = [box(x, x + 0.004, low := rng.uniform(0.0, 0.7), low + 0.2, i, 1) for i, x in enumerate(edges, start=1)]
+    ax = bands_of(*thin).plot()
+    ax.figure.canvas.draw()
+    (names,) = (artist for artist in ax.artists if hasattr(artist, "shown"))
+    boxes = [text.get_window_extent() for text in names.texts if text.get_text() in names.shown]
+    assert len(boxes) >= 4  # one may have no room
+    for i, name in enumerate(boxes):
+        assert not any(name.overlaps(other) for other in boxes[:i])
+        for band in thin:
+            ends = ax.transData.transform(np.column_stack([band.x, band.y]))
+            assert not name.overlaps(Bbox([ends.min(axis=0), ends.max(axis=0)]))
+    for number, line in names.lines.items():
+        x, y = ax.transData.inverted().transform(line[0])
+        band = names.shapes[number]
+        assert band.x.min() - 0.005 < x < band.x.max() + 0.005
+        assert band.y.min() - 0.01 < y < band.y.max() + 0.01
+    pyplot.close(ax.figure)
+    assert shown(bands_of(*(box(x, x + 0.002, 0.0, 1.0, 1, 1) for x in np.linspace(0.05, 0.9, 7))).plot()) == {}
     pyplot.close("all")
 
 
@@ -280,9 +308,11 @@ def test_labels_avoid_markers_lines_texts_and_legends() -> None:
 
 def test_labels_follow_the_axes() -> None:
     ax = bands_of(box(0.1, 0.12, 0.1, 0.9, 7, 1)).plot()
-    assert shown(ax) == {}
+    ((column, _),) = shown(ax).values()
+    assert not 0.1 <= column <= 0.12
     ax.set_xlim(0.09, 0.13)
-    assert shown(ax).keys() == {"7·1"}
+    ((column, _),) = shown(ax).values()
+    assert 0.25 < column < 0.75  # inside it
     ax.set_xlim(0.5, 0.6)
     assert shown(ax) == {}
     pyplot.close(ax.figure)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from floquetrod.plotting.leaders import add_leaders, nearest_room, take
+from floquetrod.plotting.labels import nearest_room, take
+from floquetrod.plotting.leaders import add_leaders
 
 
 @pytest.mark.parametrize("seed", range(20))
