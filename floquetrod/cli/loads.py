@@ -81,8 +81,8 @@ def _add_kind(command: argparse.ArgumentParser, subsystem: Subsystem) -> None:
     command.add_argument(
         "--force",
         metavar="FILE",
-        help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform, and "
-        "mean, amplitude and frequency unless options give them",
+        help="a measured force, a text file with columns of time and force, which is positive in compression, such as "
+        "record.csv: gives the waveform, and mean, amplitude and frequency unless options give them",
     )
     for name, heading, examples in (("time", "time or t", "s or ms"), ("force", "force or f", "kN or lbf")):
         command.add_argument(

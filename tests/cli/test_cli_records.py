@@ -198,3 +198,18 @@ def test_a_record_of_one_harmonic_has_the_margins_of_the_sine(
     margin = ROD.stability(sine, growth_tolerance=1e-3).mean_force_margin
     below, above = (float(each) for each in re.findall(r"([\d.]+) N (?:lower|higher)", lines["margins"]))
     assert (below, above) == pytest.approx(tuple(margin), rel=1e-3)
+
+
+def test_a_record_that_pulls_on_average_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Many load cells count compression as negative, and what pulls buckles nothing."""
+    t = np.arange(0.0, 2.0, 1e-3)
+    force = 4.0 + 2.0 * np.sin(2.0 * np.pi * 16.0 * t)
+    said = {}
+    for sign in (1.0, -1.0):
+        path = tmp_path / f"record{sign:g}.csv"
+        np.savetxt(path, np.c_[t, sign * force], "%.6g", ",", header="time / s,force / N", comments="")
+        assert cli.main(["check", "--rod", "nitinol", "--force", str(path), "--modes", "1-4"]) == 0
+        said[sign] = capsys.readouterr().out
+        assert ("pulls on average" in repr(fr.ForceRecord.from_csv(path))) == (sign < 0.0)
+    assert "pulls on average" in said[-1.0]
+    assert "change the sign" not in said[1.0]

@@ -32,6 +32,11 @@ _BANDS, _IN_A_BAND = 32, 16  # of the spectrum of the noise, and independent fre
 _NEWTON = units.unit("N", "", "force")
 _HERTZ = "Hz"  # in which a record's frequency is said, as its spectrum is drawn
 _ERRORS = 2.0  # standard errors by which drawn loads depart from the fit: 95 %
+_PULLED = 0.1  # mean pull over the amplitude, from which it is said (a choice)
+_PULLS = (
+    "it pulls on average, as forces are positive in compression; if the sensor counts compression as negative, change "
+    "the sign of the forces"
+)
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 
 
@@ -51,7 +56,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     time : array_like (n,)
         In s, increasing.
     force : array_like (n,)
-        In N.  Samples whose time or force is NaN are left out, at most half of them.
+        In N, positive in compression.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
         Largest number of harmonics searched for, 20 by default; fewer where the sampling rate or the number of samples
         allows no more, as ``note`` then says if ``harmonics`` is given.
@@ -388,7 +393,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         named = {"time is in seconds": self.time_unit_named, "force is in newtons": self.force_unit_named}
         taken = " and ".join(words for words, is_named in named.items() if not is_named)
         notes = [f"the file names no unit, so {taken}"] * bool(taken) + [note] * bool(note)
-        return "; ".join([text, *notes])
+        return "; ".join([text, *notes, *[_PULLS] * (self.mean < -_PULLED * self.amplitude)])
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers) - 1])
