@@ -26,8 +26,9 @@ examples:
 
 The ends of the intervals are the boundaries of resonance tongues, computed without a grid.  Tongues that grow no faster
 than --growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; 0 lists them all.  The
-answer is in the unit of the range, or of --unit; --json is in N and rad/s.  For each unstable band it gives the mode
-that grows fastest, its growth rate in 1/s and where it occurs, and the damping rate that stabilises the whole band.
+answer is in the unit of the range, or of --unit, and the ends of safe ranges are rounded inwards to the digits shown
+(--full has nine); --json is in N and rad/s.  For each unstable band it gives the mode that grows fastest, its growth
+rate in 1/s and where it occurs, and the damping rate that stabilises the whole band.
 
 Clamped, guided or free ends, weight along an inclined rod and axial waves (--wave) couple the modes.  Loads are then
 sampled, and the answer says how narrow an unstable band may have been missed.  The damping rate is then the one that
