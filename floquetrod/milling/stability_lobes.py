@@ -18,6 +18,7 @@ from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.interpolation import chebyshev_points
+from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.floquet.multipliers import delay_growth, delay_many
 from floquetrod.floquet.multipliers.delay_maps import Coefficients, maps_by_piece, period_maps
@@ -35,6 +36,7 @@ _FEW = 4  # the first of these where kinks of uneven teeth cut the cycle into ma
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
 _MOST_VIBRATIONS = 120  # until teeth repeat: a critical depth then takes a quarter of a minute (measured)
 _FARTHEST = 500.0  # times that depth up to which is searched (a choice)
+_JUDGED_AT_ONCE = 512  # points of a chart (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
 _ENOUGH = 8  # nodes more, with which a boundary is known to some nine digits (measured)
@@ -50,6 +52,7 @@ _SHALLOW = 0.5  # of the least depth of neighbours, from which depths between co
 _COARSE, _FINE = 1e-5, 1e-9  # of a critical depth, relative: where lobes are told apart, where lowest (a choice)
 _JUMP = 0.03  # of the frequency of chatter between neighbours, beyond which a lobe may lie between them (a choice)
 _INWARD, _PARABOLAS = 1e-3, 40  # of the distance of starts: the shortest step; how many are made (a choice)
+_USUAL = 17  # speeds tried until a lobe is known where it is lowest (measured, for the time that remains)
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))  # of a bracket: a step of the golden section
 _SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
 _NOT_REAL = 1e-6  # rad of a multiplier's angle, from 0 or pi
@@ -138,7 +141,10 @@ class Lobes(Reported, NoTruthValue, ByContent):
         return draw_lobes(self, ax)
 
     def report(self) -> Report:
-        """Return the lobes as a table, grouped by name; where there are none, why.
+        """Return a table with a row for each lobe, its parts together; where there are none, why.
+
+        Parts of one name whose chatter is nearest to one mode are one lobe: between them another one begins at less
+        depth, or none in the chart.
 
         Returns
         -------
@@ -147,27 +153,58 @@ class Lobes(Reported, NoTruthValue, ByContent):
         """
         if not self.lobes:
             return Report(f"{repr(self.milling).strip('<>')}: {self.none_in_range}")
-        names = list(dict.fromkeys(map(str, self.lobes)))
-        listed = sorted(self.lobes, key=lambda lobe: names.index(str(lobe)))
-        begins = [None, *listed[:-1]]
-        rows = [
-            (
-                "" if str(lobe) == str(before) else str(lobe),
-                " to ".join(dict.fromkeys(f"{_rpm(speed):.6g}" for speed in lobe.speeds)),
-                f"{1e3 * lobe.depth:.6g}",
-                f"{1e3 * lobe.error:.0e}",
-                f"{_rpm(lobe.at):.6g}",
-                f"{lobe.frequency / (2.0 * math.pi):.6g}",
+        joined = self._joined()
+        numbers = [mode.frequency / (2.0 * math.pi) for mode in self.milling.modes]
+        rows = []
+        for (name, mode), parts in joined.items():
+            lowest = min(parts, key=lambda part: part.depth)
+            ends = parts[0].speeds[0], parts[-1].speeds[1]
+            rows.append(
+                (
+                    name,
+                    f"{numbers[mode]:.6g}",
+                    str(len(parts)),
+                    " to ".join(dict.fromkeys(f"{_rpm(speed):.6g}" for speed in ends)),
+                    f"{1e3 * lowest.depth:.6g}",
+                    f"{1e3 * lowest.error:.0e}",
+                    f"{_rpm(lowest.at):.6g}",
+                    f"{lowest.frequency / (2.0 * math.pi):.6g}",
+                )
             )
-            for before, lobe in zip(begins, listed, strict=True)
-        ]
-        head = ("lobe", "speeds / rpm", "least depth / mm", "error / mm", "at / rpm", "chatter / Hz")
+        heads = ["lobe", "mode / Hz", "parts", "speeds / rpm", "least depth / mm", "error / mm", "at / rpm"]
+        heads.append("chatter / Hz")
+        is_shown = [True, len(numbers) > 1, len(joined) < len(self.lobes), *[True] * 5]
         rest = (
             f"Edges of lobes lie up to {_rpm(edge_width(self.speeds)):.2g} rpm beyond these speeds.  "
             f"Lobes narrower than {_rpm(self._width):.4g} rpm, the distance of columns of the chart, may be missed.  "
             f"The relative error of a critical depth at a given speed is below {ACCURACY:.0e}."
         )
-        return Report(repr(self.milling).strip("<>"), (), Table([(title, "<") for title in head], rows, rest))
+        if len(joined) < len(self.lobes):
+            between = "Between parts of a lobe another one begins at less depth, or none in the chart"
+            rest = f"{between}; .lobes has each part.  {rest}"
+        columns = [(head, "<") for head in itertools.compress(heads, is_shown)]
+        shown = [tuple(itertools.compress(row, is_shown)) for row in rows]
+        headline = repr(self.milling).strip("<>")
+        return Report(headline, [("deepest", self._deepest())], Table(columns, shown, rest))
+
+    def _joined(self) -> dict[tuple[str, int], list[Lobe]]:
+        """Return the parts of each lobe, by its name and the mode whose frequency is nearest where it is lowest."""
+        natural = np.array([mode.frequency for mode in self.milling.modes])
+        joined: dict[tuple[str, int], list[Lobe]] = {}
+        for lobe in self.lobes:
+            joined.setdefault((str(lobe), int(np.abs(natural - lobe.frequency).argmin())), []).append(lobe)
+        return joined
+
+    def _deepest(self) -> str:
+        """Return up to which depth nothing chatters at the best column of the chart, in words."""
+        best = int(np.argmax(self.depths))
+        if math.isfinite(self.depths[best]):
+            return f"no chatter up to {1e3 * self.depths[best]:.6g} mm at {_rpm(self.speeds[best]):.6g} rpm"
+        free = np.isinf(self.depths)
+        runs = [list(group) for is_free, group in itertools.groupby(range(free.size), key=free.__getitem__) if is_free]
+        longest = self.speeds[max(runs, key=len)]
+        ends = " to ".join(dict.fromkeys(f"{_rpm(speed):.6g}" for speed in longest[[0, -1]]))
+        return f"no chatter up to {self.chart.y.values[-1]:.4g} mm, the end of the chart, at {ends} rpm"
 
     @property
     def _width(self) -> float:
@@ -230,6 +267,11 @@ class CuttingPlane(Family):
     def vertex(self) -> float:
         """As near to the boundary as it takes few verdicts to come."""
         return 1e-7
+
+    @property
+    def points_at_once(self) -> int:
+        """Points judged between two reports of progress: about a second for teeth of four pitches."""
+        return _JUDGED_AT_ONCE
 
     @property
     def signed_growth(self) -> Callable[[Floats, Floats], Floats]:
@@ -474,14 +516,26 @@ def _logs(milling: Cutter, speeds: Floats, depths: Floats, more: int = _ENOUGH) 
 
 def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
     """Return the stability lobes, see `Milling.lobes`."""
+    return lobes_in(milling, decided(milling, speed, depth, growth=growth))
+
+
+def decided(
+    milling: Cutter, speed: Any, depth: Any, *, growth: bool = False, progress: Progress | None = None
+) -> Chart:
+    """Return the chart of `lobes_of` in rad/s and m; ``progress`` is called with points done and to do."""
     across, up = _axis("speed", speed, read_speed), _axis("depth", depth, read_depth)
     _require_fast(milling, float(across.min()))
     x = Axis("spindle speed", r"\Omega", "rad/s", across)
     y = Axis("depth of cut", "a", "m", up)
-    chart = charted(CuttingPlane(milling), x, y, growth=growth).in_units(spindle="rpm", depth="mm")
-    status = np.where(chart.stable, STABLE, UNSTABLE).T
-    depths = _first(milling, across, up, status)
-    return Lobes(milling, chart, across, depths, tuple(_named(milling, across, depths, up)))
+    return charted(CuttingPlane(milling), x, y, growth=growth, progress=progress)
+
+
+def lobes_in(milling: Cutter, chart: Chart, progress: Progress | None = None) -> Lobes:
+    """Return the lobes in the chart of `decided`; ``progress`` is called with about the percent done, and 100."""
+    across, up = chart.x.values, chart.y.values
+    depths = _first(milling, across, up, np.where(chart.stable, STABLE, UNSTABLE).T)
+    lobes = tuple(_named(milling, across, depths, up, progress))
+    return Lobes(milling, chart.in_units(spindle="rpm", depth="mm"), across, depths, lobes)
 
 
 def _axis(name: str, given: Any, read: Any) -> Floats:
@@ -541,6 +595,7 @@ class _Boundary:
     def __init__(self, milling: Cutter, tried: Floats) -> None:
         """Keep the depths of rows of a chart, thinned to the step of a search."""
         self.milling = milling
+        self.made = 0  # starts searched for
         self.between = 2.0 * math.pi / milling.teeth / milling.cycle  # two teeth, on average
         stride = max(1, int(depth_step(milling) / (tried[1] - tried[0])))
         self.rows = np.append(tried[:-1:stride], tried[-1])
@@ -587,10 +642,14 @@ class _Boundary:
         between = self.rows[(self.rows > _SHALLOW * min(near)) & (self.rows < max(near))]
         return [np.unique(np.minimum(np.concatenate([beside, between]), self.rows[-1])), self.rows]
 
-    def together(self, searches: list[_Search]) -> list[Any]:
-        """Return the results of searches, whose places are judged together."""
+    def together(self, searches: list[_Search], usual: int, ahead: int, progress: Progress | None) -> list[Any]:
+        """Return the results of searches, whose places are judged together.
+
+        ``usual`` starts are expected of each, and ``ahead`` of all searches that follow.
+        """
         results: list[Any] = [None] * len(searches)
         answers: dict[int, _Start | None] = dict.fromkeys(range(len(searches)))
+        made = np.zeros(len(searches), dtype=int)
         while answers:
             places: dict[int, _Place] = {}
             for i, answer in answers.items():
@@ -599,6 +658,11 @@ class _Boundary:
                 except StopIteration as end:
                     results[i] = end.value
             answers = dict(zip(places, self.starts(list(places.values())), strict=True))
+            made[list(places)] += 1
+            if progress is not None and places:
+                left = sum(max(usual - int(made[i]), usual // 3, 1) for i in places)
+                self.made += len(places)
+                progress(100 * self.made // (self.made + left + ahead), 100)
         return results
 
     def refined(self, one: _Start, other: _Start, width: float) -> _Search:
@@ -706,12 +770,19 @@ def _depth_beside(left: _Start, middle: _Start, right: _Start) -> float:
     return max(beside, default=middle.depth)
 
 
-def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> list[Lobe]:
+def _named(
+    milling: Cutter, speeds: Floats, depths: Floats, tried: Floats, progress: Progress | None = None
+) -> list[Lobe]:
     """Return the lobes of a chart: neighbours that begin in one way, with as many whole vibrations."""
     boundary = _Boundary(milling, tried)
     columns = [boundary.start(*column) for column in zip(speeds.tolist(), depths.tolist(), strict=True)]
     width = edge_width(speeds)
-    between = boundary.together([boundary.refined(*neighbours, width) for neighbours in pairwise(columns)])
+    neighbours = list(pairwise(columns))
+    halvings = math.ceil(math.log2(float(speeds[1] - speeds[0]) / width)) + 1
+    changes = sum(one.is_apart(other) for one, other in neighbours)
+    between = boundary.together(
+        [boundary.refined(one, other, width) for one, other in neighbours], halvings, _USUAL * (changes + 1), progress
+    )
     starts = columns[:1]
     for inner, column in zip(between, columns[1:], strict=True):
         starts += [*inner, column]
@@ -721,9 +792,8 @@ def _named(milling: Cutter, speeds: Floats, depths: Floats, tried: Floats) -> li
     ends = zip(before, groups, after, strict=True)
     chattering = [end for end in ends if end[1][0].onset is not None]
     lobes = []
-    for (_, members, _), (low, error) in zip(
-        chattering, boundary.together([boundary.lowest(*end) for end in chattering]), strict=True
-    ):
+    lowest = boundary.together([boundary.lowest(*end) for end in chattering], _USUAL, 0, progress)
+    for (_, members, _), (low, error) in zip(chattering, lowest, strict=True):
         kind, number = low.onset.kind, boundary.name(low)[1]
         edges = min(members[0].speed, low.speed), max(members[-1].speed, low.speed)
         frequency = low.onset.turns * 2.0 * math.pi * low.speed / milling.cycle

@@ -256,15 +256,25 @@ def test_no_name_in_the_chart_of_the_slot_covers_a_lobe() -> None:
 
 
 @pytest.mark.parametrize("seed", range(depth(60, 2)))
-def test_the_table_of_lobes_names_each_once_and_no_neighbours_are_one_lobe(seed: int) -> None:
+def test_the_table_of_lobes_has_each_once_and_no_neighbours_are_one_lobe(seed: int) -> None:
     lobes = drawn_lobes(seed)
     table = lobes.report().table
     if table is None:
         assert "no lobe in range" in lobes.report().headline
         return
-    names = [row[0] for row in table.rows if row[0]]
-    assert len(names) == len(set(names)) == len(set(map(str, lobes.lobes)))
-    assert len(table.rows) == len(lobes.lobes)
+    natural = np.array([mode.frequency for mode in lobes.milling.modes])
+    parts: dict[tuple[str, int], list[Any]] = {}
+    for lobe in lobes.lobes:
+        parts.setdefault((str(lobe), int(np.abs(natural - lobe.frequency).argmin())), []).append(lobe)
+    heads = [head for head, _ in table.columns]
+    rows = [dict(zip(heads, row, strict=True)) for row in table.rows]
+    assert [row["lobe"] for row in rows] == [name for name, _ in parts]
+    assert [float(row["least depth / mm"]) for row in rows] == pytest.approx(
+        [1e3 * min(part.depth for part in each) for each in parts.values()], rel=1e-5
+    )
+    assert [row.get("parts", "1") for row in rows] == [str(len(each)) for each in parts.values()]
+    assert ("parts" in heads) == (".lobes has each part" in table.rest) == (len(rows) < len(lobes.lobes))
+    assert ("mode / Hz" in heads) == (natural.size > 1)
     for one, other in pairwise(lobes.lobes):
         assert one.speeds[1] < other.speeds[0]
         assert str(one) != str(other) or other.speeds[0] - one.speeds[1] > stability_lobes.edge_width(lobes.speeds)
@@ -278,6 +288,37 @@ def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() 
     flips = [lobe.number for lobe in lobes.lobes if lobe.kind == "flip"]
     assert flips == sorted(flips, reverse=True)
     assert all(0.8 < lobe.frequency / (2.0 * math.pi * 922.0) < 1.2 for lobe in lobes.lobes)
+
+
+def test_the_report_says_where_the_deepest_cut_is() -> None:
+    lobes = cutter().lobes(("14000rpm", "20000rpm", 9), ("0.1mm", "3.5mm", 8))
+    best = int(lobes.depths.argmax())
+    assert lobes.report().lines == [
+        ("deepest", f"no chatter up to {1e3 * lobes.depths[best]:.6g} mm at {14000 + 750 * best:.6g} rpm")
+    ]
+    free = cutter().lobes(("18000rpm", "25000rpm", 8), ("0mm", "1mm", 6))
+    deepest = "no chatter up to 1 mm, the end of the chart, at 19000 to 25000 rpm"
+    assert free.depths.tolist()[1:] == [math.inf] * 7
+    assert free.report().lines == [("deepest", deepest)]
+
+
+def test_progress_of_lobes_rises_to_the_end_while_searches_go_on() -> None:
+    points: list[tuple[int, int]] = []
+    percent: list[tuple[int, int]] = []
+    mill = cutter()
+    chart = stability_lobes.decided(
+        mill, ("14000rpm", "22000rpm", 60), ("0.1mm", "3.5mm", 24), progress=lambda *each: points.append(each)
+    )
+    assert len(points) > 2
+    assert points[-1] == (1440, 1440)
+    lobes = stability_lobes.lobes_in(mill, chart, lambda *each: percent.append(each))
+    assert lobes == mill.lobes(("14000rpm", "22000rpm", 60), ("0.1mm", "3.5mm", 24))
+    done = [each for each, _ in percent]
+    assert {total for _, total in percent} == {100}
+    assert len(set(done)) > 10
+    assert all(later >= each - 15 for each, later in pairwise(done))  # it knows the number of lobes only half way
+    assert done[0] < 15
+    assert 90 <= done[-1] <= 100
 
 
 def test_the_least_depth_of_a_lobe_is_searched_between_columns() -> None:
