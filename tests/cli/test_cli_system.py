@@ -132,7 +132,8 @@ def test_the_damping_of_a_first_order_system_with_delays(tmp_path: Path, capsys:
 
 def test_no_damping_suffices_for_an_unstable_mean(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, "[system]\nstiffness = [[-1.0, 0.0], [0.0, 1.0]]\nperiod = 2.0")
-    assert "strong damping does not stabilise it, as the mean stiffness alone is unstable" in said(capsys, path)
+    text = "strong damping does not stabilise it, as the mean stiffness alone is unstable; weak damping may (fr.margin"
+    assert text in said(capsys, path)
     assert json.loads(said(capsys, path, "--json"))["damping_to_stabilise_per_unit_time"] is None
 
 

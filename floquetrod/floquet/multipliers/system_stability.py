@@ -212,7 +212,7 @@ class SystemStability(FloquetVerdict):
             if self.status == "stable":
                 return []
             text = "strong damping does not stabilise it, as the mean stiffness alone is unstable; weak damping may"
-            return [("damping", text)]
+            return [("damping", f"{text} (fr.margin searches it, over a parameter of the damping)")]
         if not _second_order(self.system):
             tried = "" if isinstance(self.system, PeriodicSystem) else "; larger ones were tried, not all"
             return [("damping", f"stable with A - c I in place of A, c above {rate:.6g} per unit time{tried}")]
