@@ -12,6 +12,7 @@ from floquetrod.wells.kernels import tool_wave
 from floquetrod.wells.kernels.wall_contact import LOCKED
 from floquetrod.wells.minimum_curvature import Points
 
+_SAME = 1e-6  # m, from which two heights differ, far above the rounding of depths (a choice)
 _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 
 _SOFT = 1e-4  # least rounding of the corner of friction of two waves, of which the other one rounds it more
@@ -32,7 +33,8 @@ class ShakenString:
         length, size = bottom - top, self.pieces.friction.size
         longest = float(np.minimum(shaking.divided, length)) / fineness.cells
         meets = np.empty(0) if drag.assembly is None else drag.assembly.inner
-        ends = np.unique(np.concatenate([[0.0, shaking.above_end, length], meets[meets < length]]))
+        ends = np.unique([0.0, shaking.above_end, length])
+        ends = np.union1d(ends, _apart(meets[meets < length], ends))
         number = np.ceil(np.diff(ends) / longest).astype(int)
         number[-1] = max(2, number[-1])
         stretches = zip(ends[:-1], ends[1:], number, strict=True)
@@ -122,11 +124,11 @@ def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int)
     Those of several sections also end where sections meet.
     """
     inner = drag.edges
-    ends = np.concatenate([[0.0, bottom - top], bottom - inner[(inner > top) & (inner < bottom)]])
+    ends = np.array([0.0, bottom - top])
+    ends = np.union1d(ends, _apart(bottom - inner[(inner > top) & (inner < bottom)], ends))
     if drag.assembly is not None:
         meets = drag.assembly.inner
-        ends = np.append(ends, meets[meets < bottom - top])
-    ends = np.unique(ends)
+        ends = np.union1d(ends, _apart(meets[meets < bottom - top], ends))
     gaps, longest = np.diff(ends), float(np.minimum(shaking.divided, bottom - top)) / (0.75 * cells)
     number = np.ceil(gaps / longest).astype(int)
     counted = np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number)  # from 0 in every gap
@@ -138,6 +140,12 @@ def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int)
     there = drag.at(middle, np.asarray(bottom)).sliding
     weight, wound = (np.broadcast_to(each, middle.shape).copy() for each in (there.weight, there.wound))
     return kernels.Pieces(up, drag.friction.at(middle), places, weight, wound)
+
+
+def _apart(heights: Floats, others: Floats) -> Floats:
+    """Return the heights that differ from all increasing others by more than rounding: between them no piece fits."""
+    k = np.clip(np.searchsorted(others, heights), 1, others.size - 1)
+    return heights[np.minimum(np.abs(heights - others[k - 1]), np.abs(heights - others[k])) > _SAME]
 
 
 def _along(drag: Drag, shaking: Shaking, bottom: float, up: Floats) -> tuple[Floats, Floats]:

@@ -387,3 +387,20 @@ def test_a_sample_reaches_a_depth_where_the_string_does(push: str) -> None:
     found = STRING.reach(WELL, 0.4, push=push, depth=[2000.0])
     share = fr.probability_of_reach(STRING, WELL, (0.4, 0.4 * (1.0 + 1e-12)), push=push, depth=[2000.0], samples=1)
     assert share.probability[0] == (not found.is_stopped)
+
+
+@pytest.mark.parametrize(("bottom", "above_end"), [("9000ft", "90ft"), ("10000ft", "4000.0000000000005ft")])
+def test_a_tool_bears_a_joint_that_rounding_sets_beside_an_end_or_the_tool(bottom: str, above_end: str) -> None:
+    """Lengths of 4000 and 5000 ft and a depth of 9000 ft differ in metres by rounding: between them no piece fits."""
+    names = {"2.00x0.204": "6000ft", "2.00x0.175": "5000ft", "2.00x0.156": "4000ft"}
+    sections = [fr.Section(name, length=length) for name, length in names.items()]
+    rod = fr.Rod(sections=sections, channel_diameter="4.67in", fluid_inside=1e3, fluid_outside=1e3)
+    depths = 0.3048 * np.array([0.0, 3000.0, 4000.0, 14000.0])
+    well = fr.WellPath(depths, ["0deg", "0deg", "80deg", "90deg"])
+    tops = []
+    for off in (-1e-3, 0.0, 1e-3):  # m
+        tool = fr.VibrationTool("5kN", "16Hz", above_end)
+        deep = 0.3048 * float(bottom.removesuffix("ft")) + off
+        tops.append(rod.mean_force(well, 0.24, tool=tool, speed=0.1, bottom=deep).at_top)
+    assert np.isfinite(tops).all()
+    assert tops[1] == pytest.approx(0.5 * (tops[0] + tops[2]), abs=0.1)
