@@ -129,7 +129,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
     lobes: tuple[Lobe, ...]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the chart with its bands, lobes named where they are lowest.
+        """Draw the chart with its bands, each lobe named once, where it is lowest.
 
         Returns
         -------
@@ -138,7 +138,8 @@ class Lobes(Reported, NoTruthValue, ByContent):
         """
         from floquetrod.plotting.lobes_plot import draw_lobes
 
-        return draw_lobes(self, ax)
+        lowest = [min(parts, key=lambda part: part.depth) for parts in self._joined().values()]
+        return draw_lobes(self, lowest, ax)
 
     def report(self) -> Report:
         """Return a table with a row for each lobe, its parts together; where there are none, why.
