@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from tests.conftest import depth
 from tests.floquet.test_delays import delayed_mathieu, hayes
 from tests.floquet.test_long_delays import drawn
 
@@ -145,5 +144,5 @@ def test_drawn_systems() -> None:
 
 @pytest.mark.slow
 def test_many_drawn_systems() -> None:
-    count = depth(200, 200)
+    count = 80
     assert check_drawn(count, 4) > 0.9 * count
