@@ -63,7 +63,7 @@ def add_labels(
     where no band has a name.
 
     ``note`` makes the note over the legend of what a label means, which then is explained by one that is drawn, or by
-    one of the ``others``, bands named elsewhere.
+    one of the ``others``, bands that are named elsewhere or not at all.
     """
     named = sorted((band for band in bands if label(band)), key=_area, reverse=True)[:_MOST]
     if not named:
@@ -101,8 +101,8 @@ def places_beside(
 ) -> dict[int, tuple[Floats, Floats]]:
     """Return where labels of some of the polygons go beside them, by number, and the point of the polygon each names.
 
-    As `places`.  Nothing is written on any of the polygons, nor far from the one that is named; one that overlaps
-    another is not named.
+    As `places`.  Nothing is written on any of the polygons, nor far from the one that is named.  One that overlaps
+    another, or lies behind it, is not named.
     """
     covers = [cells_inside(x, y, free.shape) for x, y, _, _ in wanted]
     count = np.zeros(free.shape, dtype=np.int32)
@@ -124,8 +124,11 @@ def places_beside(
         if middle is None:
             continue
         (left, low), (w, h) = np.rint(middle - 0.5 * (np.ceil(size) - 1.0)).astype(int), np.ceil(size).astype(int)
-        near = np.hypot(*(np.clip(point, middle - 0.5 * size, middle + 0.5 * size) - point)) * _CELL <= _BESIDE
-        if near and free[low : low + h, left : left + w].all():
+        end = np.clip(point, middle - 0.5 * size, middle + 0.5 * size)
+        near = np.hypot(*(end - point)) * _CELL <= _BESIDE
+        column, row = np.rint(_along(np.array([point, end]), 0.5)).astype(int).T
+        crosses = (count - covers[number])[row, column].any()  # another polygon, which the line would seem to name
+        if near and not crosses and free[low : low + h, left : left + w].all():
             take(free, middle, size)
             found[number] = middle, point
     return found
@@ -255,10 +258,10 @@ def _artists() -> _Artists:
             free = free_cells(axes, renderer, cell)
             positions: list[Any] = places(wanted, free)
             outside = [number for number, place in enumerate(positions) if place is None]
-            for shape in self.others if outside else ():
-                x, y = in_cells(shape)
-                free &= ~cells_inside(x, y, free.shape)
-            beside = places_beside(wanted, free, outside) if len(outside) <= _FEW else {}
+            beside: dict[int, tuple[Floats, Floats]] = {}
+            if 0 < len(outside) <= _FEW:
+                avoided = [(x, y, 0.0, 0.0) for x, y in map(in_cells, self.others)]
+                beside = places_beside([*wanted, *avoided], free, outside)
             self.lines = {}
             for number, (place, point) in beside.items():
                 positions[number] = place

@@ -38,8 +38,9 @@ def add_leaders(
 def name_bands(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str], str] | None = None) -> None:
     """Name bands as `floquetrod.plotting.labels.add_labels`, and tongues that merge in one where each begins."""
     merging = [band for band in bands if band.merged]
+    others = [band for band in bands if band.merged or not label(band)]
     tongues = [tongue for band in merging for tongue in band.merged]
-    written = add_labels(ax, [band for band in bands if not band.merged], halo=halo, note=note, others=merging)
+    written = add_labels(ax, [band for band in bands if not band.merged], halo=halo, note=note, others=others)
     names, starts = [label(tongue) for tongue in tongues], [tongue.place for tongue in tongues]
     add_leaders(ax, names, starts, bands, written=written)
 

@@ -285,6 +285,14 @@ def test_a_few_narrow_bands_have_their_names_beside(seed: int) -> None:
     pyplot.close("all")
 
 
+def test_no_line_to_a_name_crosses_another_band() -> None:
+    wide, sliver = box(0.5, 0.58, 0.002, 1.0, 7, 1), box(0.5, 0.58, 0.0, 0.001, 8, 1)
+    assert shown(bands_of(wide, sliver).plot()).keys() == {"7·1"}
+    assert shown(bands_of(replace(wide, mode=None, tongue=None), sliver).plot()) == {}  # one without a name
+    assert shown(bands_of(sliver).plot()).keys() == {"8·1"}
+    pyplot.close("all")
+
+
 def test_labels_avoid_markers_lines_texts_and_legends() -> None:
     def place(*what: str) -> tuple[float, float] | None:
         ax = bands_of(box(0.35, 0.65, 0.0, 1.0, 7, 1)).plot()
