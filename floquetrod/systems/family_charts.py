@@ -23,7 +23,7 @@ from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import Problem, any_member
 from floquetrod.floquet.quasiperiodic import growth_of_many, require_tolerance
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
-from floquetrod.floquet.verdict import tolerated
+from floquetrod.floquet.verdict import Stability, tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 from floquetrod.plane.family import VERTEX, Names
 from floquetrod.systems import batch_verdicts
@@ -174,10 +174,14 @@ class Members(Family):
     def name(self, x: float, y: float) -> Names:
         """Return the mode, its partner and the order of the fastest resonance at a point; None without a name.
 
-        Buckling is not named: a region of it may hold the buckling of several modes.
+        Buckling of systems is not named: a region of it may hold the buckling of several modes.  One equation has no
+        number of a mode, and its tongue is the order; 0 is buckling.
         """
         (problem,) = self.members(np.array([x]), np.array([y]))
-        verdict = None if isinstance(problem, Equation | TwoFrequencies) else stability(problem)
+        verdict = None if isinstance(problem, TwoFrequencies) else stability(problem)
+        if isinstance(problem, Equation):
+            interval = verdict.interval if isinstance(verdict, Stability) else None
+            return None, None, interval.order if interval is not None and interval.kind == "tongue" else None
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]

@@ -296,3 +296,14 @@ def test_a_side_that_has_closed_is_not_followed() -> None:
     values = {"omega": np.linspace(0.8, 5.0, 80), "epsilon": np.linspace(0.0, 0.8, 60)}
     found = fr.chart(two_meissner, over=values).find_bands()
     assert len(found) >= 8
+
+
+def test_one_equation_has_the_tongues_of_its_verdicts_and_of_its_system() -> None:
+    over = {"q": (0.0, 10.0, 40), "a": (-5.0, 10.0, 30)}
+    chart = fr.chart(lambda q, a: fr.Mathieu.from_aq(a, q), over=over, growth=True)
+    same = fr.chart(lambda q, a: fr.Mathieu.from_aq(a, q).as_system(), over=over, growth=True)
+    for band in chart.bands:
+        q, a = band.place
+        assert fr.stability(fr.Mathieu.from_aq(a, q)).interval == ("tongue", band.tongue)
+    assert sorted(band.name for band in chart.bands) == ["tongue 0", "tongue 1", "tongue 2", "tongue 3"]
+    assert {band.tongue or 0 for band in same.bands} == {0, 1, 2, 3}
