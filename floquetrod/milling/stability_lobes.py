@@ -271,7 +271,7 @@ class CuttingPlane(Family):
 
     @property
     def points_at_once(self) -> int:
-        """Points judged between two reports of progress: about a second for teeth of four pitches."""
+        """Points judged between two reports of progress, about a second for teeth of four pitches."""
         return _JUDGED_AT_ONCE
 
     @property
