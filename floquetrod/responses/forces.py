@@ -81,8 +81,8 @@ class Force(ByContent):
 
 def _is_complex(value: Any) -> bool:
     """Return whether a number, or one of a sequence, is complex."""
-    if isinstance(value, tuple | list):
-        return any(map(_is_complex, value[:MOST_LISTED]))
+    if isinstance(value, tuple | list):  # of numbers: nested sequences are no force
+        return any(not isinstance(each, tuple | list) and _is_complex(each) for each in value[:MOST_LISTED])
     kind = value.dtype.kind if isinstance(value, np.ndarray) else ""
     return kind == "c" or isinstance(value, complex | np.complexfloating)
 

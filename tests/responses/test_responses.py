@@ -16,6 +16,7 @@ from floquetrod.responses.hill_arrays import hill_arrays
 from floquetrod.responses.many import respond_to_many, scalar_responses
 from tests.conftest import depth
 from tests.forced_problems import by_dop853, drawn
+from tests.fuzz.junk import tree
 
 METHODS = ("hill", "monodromy")
 CONSTANT = [
@@ -345,3 +346,11 @@ def test_bad_input_is_refused_in_a_line(
 def test_what_is_of_a_force_needs_one() -> None:
     with pytest.raises(TypeError, match=r"^frequency is of a force"):
         fr.compare(MATHIEU, frequency=1.0)  # type: ignore[call-overload]
+
+
+def test_a_force_of_nested_lists_is_refused_at_once() -> None:
+    """Thirty levels of one list twice have 2^30 numbers, which nobody looks through."""
+    with pytest.raises(ValueError, match="force must have at most"):
+        fr.response(fr.Mathieu(0.1, -0.3, 0.05), tree(30))
+    with pytest.raises(TypeError, match="force must hold real numbers"):
+        fr.response(fr.Mathieu(0.1, -0.3, 0.05), [[1.0, 2.0j]])
