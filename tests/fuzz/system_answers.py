@@ -88,10 +88,11 @@ def _stacked(system: System) -> dict[str, Any]:
     durations, values = zip(*system.pieces, strict=True)
     most, zero = max(len(value.cosines) for value in values), np.zeros((system.order, system.order))
     cosines = [[*value.cosines, *[zero] * (most - len(value.cosines))] for value in values]
-    gone = dict.fromkeys(("pieces", "period", "sines"))
+    gone = dict.fromkeys(("pieces", "period", "sines", system.MEAN))
     slopes = [value.slope_or_zero for value in values]
-    means = [value.start for value in values]
-    return gone | {"durations": durations, system.MEAN: means, "slope": slopes, "cosines": cosines}
+    start = "stiffness_start" if system.MEAN == "stiffness" else "matrix_start"
+    starts = [value.start for value in values]
+    return gone | {"durations": durations, start: starts, "slope": slopes, "cosines": cosines}
 
 
 def _terminal(system: System, result: Any) -> list[str]:
