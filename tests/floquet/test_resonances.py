@@ -155,3 +155,11 @@ def test_no_name_contradicts_the_sign_of_a_multiplier(seed: int) -> None:
     for name in result.resonances:
         if name.kind in ("buckling", "direct"):
             assert signs[name.growth_rate] * (-1) ** name.order > 0.0
+
+
+def test_beside_an_equation_that_decays_below_all_doubles_the_other_has_its_name() -> None:
+    """The first is held by a damping of 300, which takes a factor of exp(-940) in a period; the second buckles."""
+    rate = 300.0
+    stiffness, damping = np.diag([rate**2 + 1.0, -1.0]), np.diag([2.0 * rate, 0.0])
+    result = fr.stability(fr.HillSystem(stiffness, [np.diag([1.0, 0.1])], damping=damping, period=math.pi))
+    assert [(name.kind, name.order) for name in result.resonances] == [("buckling", 0)]

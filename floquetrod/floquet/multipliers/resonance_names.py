@@ -115,7 +115,7 @@ def name(
         return ()
     singles = _singles(system) if isinstance(system, HillSystem) and not system.pieces else []
     by_tongue = _by_tongues(singles, growing, float(system.period))
-    modes = _mean_modes(system, singles) if len(by_tongue) < len(growing) or singles else None
+    modes = _mean_modes(system, singles)
     if modes is None or len(modes.poles) + len(singles) > _MOST_MODES:
         return ()
     differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
@@ -126,12 +126,13 @@ def name(
         if place in by_tongue:
             number = int(modes.of_singles[by_tongue[place]])
             tongue = singles[by_tongue[place]].tongue or 0
-            found = [Resonance("direct" if tongue else "buckling", (number,), tongue, exponent.real)]
+            best = Resonance("direct" if tongue else "buckling", (number,), tongue, exponent.real)
         else:
             candidates = [*_combinations(modes, pairs, exponent, w), *_of_the_mean(modes, exponent, w)]
-            found = [min(candidates, key=lambda candidate: candidate[:3]).name] if candidates else []
-        for best in found:
-            names.setdefault((best.kind, best.modes, best.order), best)
+            if not candidates:
+                continue
+            best = min(candidates, key=lambda candidate: candidate[:3]).name
+        names.setdefault((best.kind, best.modes, best.order), best)
     return tuple(names.values())
 
 
@@ -141,7 +142,7 @@ class _Single(NamedTuple):
     unknown: int  # its place in the system
     pole: complex  # exponent of its mean, growing or with positive imaginary part
     tongue: int | None  # of Hill's equation in which it lies, its damping removed; None in none
-    growth_rate: float  # of its fastest solution, where it lies in a tongue; infinite where its map overflows
+    growth_rate: float  # of its fastest solution, where it lies in a tongue; NaN where its map overflows
 
 
 def _singles(system: HillSystem) -> list[_Single]:
@@ -168,10 +169,8 @@ def _single(system: HillSystem, unknown: int) -> _Single | None:
     pole = cmath.sqrt(mean) - damping
     if interval.kind != "tongue":
         return _Single(unknown, pole, None, -math.inf)
-    pieces = by_pieces.of_batch(equation.as_periodic_system())
-    matrix = whole_period_maps.period_maps(pieces, 0.0, _ACCURACY, paired=False).matrix[0]
-    largest = float(np.abs(np.linalg.eigvals(matrix)).max()) if np.isfinite(matrix).all() else math.inf
-    return _Single(unknown, pole, interval.order, math.log(largest) / float(equation.period))
+    growth = whole_period_maps.growth_rate(by_pieces.of_batch(equation.as_periodic_system()), _ACCURACY)
+    return _Single(unknown, pole, interval.order, growth)
 
 
 def _by_tongues(singles: Sequence[_Single], growing: Sequence[complex], period: float) -> dict[int, int]:
@@ -179,12 +178,12 @@ def _by_tongues(singles: Sequence[_Single], growing: Sequence[complex], period: 
 
     Multipliers of tongue k have the sign of (-1)^k; of several equations that have it, the nearest in growth is meant.
     """
-    left = {i: single for i, single in enumerate(singles) if single.tongue is not None}
+    left = {i: single for i, single in enumerate(singles) if single.tongue is not None and not single.growth_rate < 0.0}
     found: dict[int, int] = {}
     for place, exponent in enumerate(growing):
         half_turns = exponent.imag * period / math.pi
         apart = {
-            i: abs(single.growth_rate - exponent.real) if math.isfinite(single.growth_rate) else 0.0
+            i: 0.0 if math.isnan(single.growth_rate) else abs(single.growth_rate - exponent.real)
             for i, single in left.items()
             if abs((half_turns - (single.tongue or 0) + 1.0) % 2.0 - 1.0) < _ALIKE
         }

@@ -103,11 +103,7 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
         first_order = damped(rate)
         if float(whole_period_maps.seconds_needed(first_order)[0]) * _MAPS > _MOST_SECONDS:
             return math.nan
-        matrix = whole_period_maps.period_maps(first_order, 0.0, _ACCURACY, paired=False).matrix[0]
-        if not np.isfinite(matrix).all():
-            return math.nan
-        largest = float(np.abs(np.linalg.eigvals(matrix)).max())
-        return math.log(largest) / period if largest > 0.0 else -math.inf
+        return whole_period_maps.growth_rate(first_order, _ACCURACY)
 
     return least_damping(
         excess, growth, 2.0 * math.pi / period, further=np.asarray(rates), uncertainty=10.0 * _ACCURACY / period

@@ -123,6 +123,15 @@ def period_maps(
     return maps
 
 
+def growth_rate(pieces: PieceArrays, rtol: float) -> float:
+    """Return the growth rate of one system x' = A(t) x; NaN where its map overflows, -inf where it decays to zero."""
+    matrix = period_maps(pieces, 0.0, rtol, paired=False).matrix[0]
+    if not np.isfinite(matrix).all():
+        return math.nan
+    largest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    return math.log(largest) / float(pieces.period[0]) if largest > 0.0 else -math.inf
+
+
 def of_complex(maps: PeriodMaps) -> PeriodMaps:
     """Return the maps of complex systems from the maps of their real forms.
 
