@@ -14,7 +14,7 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import chart_files, describe_command, read_points, write_charts
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import POINTS, Parser
-from floquetrod.milling.stability_lobes import ACCURACY, decided, depth_step, lobes_in
+from floquetrod.milling.stability_lobes import ACCURACY, depth_step
 from floquetrod.milling.tool_file import cutting_depth, read_tool, spindle_speed
 
 _HELP = """\
@@ -86,10 +86,8 @@ def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:
     columns, rows = read_points(options.points)
     ranges = {name: _range(options, name) for name in _READERS}
     speed, depth = (*(f"{end!r}rad/s" for end in ranges["speed"]), columns), (*ranges["depth"], rows)
-    with Waiting("deciding stability", "points") as progress:
-        chart = decided(mill, speed, depth, growth=options.growth, progress=progress)
     with Waiting("searching lobes", "percent") as progress:
-        lobes = lobes_in(mill, chart, progress)
+        lobes = mill.lobes(speed, depth, growth=options.growth, progress=progress)
     with Waiting("finding the boundary", "steps along boundaries") as progress:
         lobes.chart.find_bands(progress=progress)
     written = write_charts(options.out, lobes.chart, lobes.chart, lobes.plot)

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.progress import Progress
 from floquetrod.milling import stability_lobes
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.milling.stability_lobes import Lobes
@@ -131,7 +132,7 @@ class Milling(Cutter):
         limit = None if most is None else read_depth(most, "most")
         return float(stability_lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
 
-    def lobes(self, speed: Any, depth: Any, *, growth: bool = False) -> Lobes:
+    def lobes(self, speed: Any, depth: Any, *, growth: bool = False, progress: Progress | None = None) -> Lobes:
         """Return the stability lobes: the chart of spindle speed and depth of cut, and the kind of each lobe.
 
         Parameters
@@ -142,6 +143,9 @@ class Milling(Cutter):
             Likewise: ("0mm", "4mm", 200).
         growth : bool
             Whether to keep growth rates, in 1/s, too, which takes several times as long.
+        progress : callable, optional
+            Called with the numbers of hundredths done and of all, 100: of the chart, then of the search for its lobes.
+            An exception that it raises ends the work.
 
         Returns
         -------
@@ -161,4 +165,6 @@ class Milling(Cutter):
         >>> print(found.chart.x.unit, found.chart.y.unit)
         rpm mm
         """
-        return stability_lobes.lobes_of(self, speed, depth, growth=validate.flag("growth", growth))
+        growth = validate.flag("growth", growth)
+        validate.progress(progress)
+        return stability_lobes.lobes_of(self, speed, depth, growth=growth, progress=progress)

@@ -52,6 +52,7 @@ _SHALLOW = 0.5  # of the least depth of neighbours, from which depths between co
 _COARSE, _FINE = 1e-5, 1e-9  # of a critical depth, relative: where lobes are told apart, where lowest (a choice)
 _JUMP = 0.03  # of the frequency of chatter between neighbours, beyond which a lobe may lie between them (a choice)
 _INWARD, _PARABOLAS = 1e-3, 40  # of the distance of starts: the shortest step; how many are made (a choice)
+_SEARCH = 15_000  # points of a chart that take as long as a search for lobes (measured, for the time that remains)
 _USUAL = 17  # speeds tried until a lobe is known where it is lowest (measured, for the time that remains)
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))  # of a bracket: a step of the golden section
 _SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
@@ -515,28 +516,39 @@ def _logs(milling: Cutter, speeds: Floats, depths: Floats, more: int = _ENOUGH) 
     return logs
 
 
-def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
+def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool, progress: Progress | None) -> Lobes:
     """Return the stability lobes, see `Milling.lobes`."""
-    return lobes_in(milling, decided(milling, speed, depth, growth=growth))
-
-
-def decided(
-    milling: Cutter, speed: Any, depth: Any, *, growth: bool = False, progress: Progress | None = None
-) -> Chart:
-    """Return the chart of `lobes_of` in rad/s and m; ``progress`` is called with points done and to do."""
     across, up = _axis("speed", speed, read_speed), _axis("depth", depth, read_depth)
     _require_fast(milling, float(across.min()))
     x = Axis("spindle speed", r"\Omega", "rad/s", across)
     y = Axis("depth of cut", "a", "m", up)
-    return charted(CuttingPlane(milling), x, y, growth=growth, progress=progress)
-
-
-def lobes_in(milling: Cutter, chart: Chart, progress: Progress | None = None) -> Lobes:
-    """Return the lobes in the chart of `decided`; ``progress`` is called with about the percent done, and 100."""
-    across, up = chart.x.values, chart.y.values
+    of_chart, of_search = _in_hundredths(across.size * up.size, progress)
+    chart = charted(CuttingPlane(milling), x, y, growth=growth, progress=of_chart)
     depths = _first(milling, across, up, np.where(chart.stable, STABLE, UNSTABLE).T)
-    lobes = tuple(_named(milling, across, depths, up, progress))
+    lobes = tuple(_named(milling, across, depths, up, of_search))
+    if progress is not None:
+        progress(100, 100)
     return Lobes(milling, chart.in_units(spindle="rpm", depth="mm"), across, depths, lobes)
+
+
+def _in_hundredths(points: int, progress: Progress | None) -> tuple[Progress | None, Progress | None]:
+    """Return the progress of a chart of so many points and of the search for its lobes, in hundredths of both.
+
+    The number of hundredths never falls, although the search may find that more is left than it expected.
+    """
+    if progress is None:
+        return None, None
+    share, most = points / (points + _SEARCH), 0
+
+    def at_least(hundredths: float) -> None:
+        nonlocal most
+        most = max(most, int(hundredths))
+        progress(most, 100)
+
+    return (
+        lambda done, total: at_least(100.0 * share * done / total),
+        lambda done, total: at_least(100.0 * (share + (1.0 - share) * done / total)),
+    )
 
 
 def _axis(name: str, given: Any, read: Any) -> Floats:

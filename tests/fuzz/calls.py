@@ -801,7 +801,8 @@ def _of_milling() -> dict[str, Call]:
         "Milling.stability": Call(mill.stability, place),
         "Milling.critical_depth": Call(mill.critical_depth, {"speed": "9000rpm", "most": "2mm"}),
         "Milling.lobes": Call(
-            mill.lobes, {"speed": ("9000rpm", "9500rpm", 3), "depth": (0.0, "1mm", 3), "growth": False}
+            mill.lobes,
+            {"speed": ("9000rpm", "9500rpm", 3), "depth": (0.0, "1mm", 3), "growth": False, "progress": None},
         ),
     }
 

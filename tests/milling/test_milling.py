@@ -306,23 +306,27 @@ def test_the_report_says_where_the_deepest_cut_is() -> None:
     assert free.report().lines == [("deepest", deepest)]
 
 
-def test_progress_of_lobes_rises_to_the_end_while_searches_go_on() -> None:
-    points: list[tuple[int, int]] = []
-    percent: list[tuple[int, int]] = []
-    mill = cutter()
-    chart = stability_lobes.decided(
-        mill, ("14000rpm", "22000rpm", 60), ("0.1mm", "3.5mm", 24), progress=lambda *each: points.append(each)
-    )
-    assert len(points) > 2
-    assert points[-1] == (1440, 1440)
-    lobes = stability_lobes.lobes_in(mill, chart, lambda *each: percent.append(each))
-    assert lobes == mill.lobes(("14000rpm", "22000rpm", 60), ("0.1mm", "3.5mm", 24))
-    done = [each for each, _ in percent]
-    assert {total for _, total in percent} == {100}
+def test_progress_of_lobes_rises_to_the_end_and_may_end_the_work() -> None:
+    mill, plane = cutter(), (("14000rpm", "22000rpm", 60), ("0.1mm", "3.5mm", 24))
+    told: list[tuple[int, int]] = []
+    lobes = mill.lobes(*plane, progress=lambda *each: told.append(each))
+    assert lobes == mill.lobes(*plane)
+    done = [each for each, _ in told]
+    assert {total for _, total in told} == {100}
+    assert done == sorted(done)
     assert len(set(done)) > 10
-    assert all(later >= each - 15 for each, later in pairwise(done))  # it knows the number of lobes only half way
     assert done[0] < 15
-    assert 90 <= done[-1] <= 100
+    assert done[-1] == 100
+    assert max(later - each for each, later in pairwise(done)) < 25  # neither the chart nor the search is left out
+
+    def enough(done: int, _: int) -> None:
+        if done > 0:
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        mill.lobes(*plane, progress=enough)
+    with pytest.raises(TypeError, match="progress must be a function"):
+        mill.lobes(*plane, progress=3)
 
 
 def test_the_least_depth_of_a_lobe_is_searched_between_columns() -> None:
