@@ -96,7 +96,7 @@ def _add_kind(command: argparse.ArgumentParser, subsystem: Subsystem) -> None:
 
 
 def _read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | None:
-    """Return the measured force, None without any; warns where it may be in another unit than N."""
+    """Return the measured force, None without any; warns where it may be in another unit or of the other sign."""
     if options.force is None:
         return reading.read_record(vars(options), option)
     with Waiting(f"reading and fitting {options.force}"):

@@ -213,3 +213,31 @@ def test_a_record_that_pulls_on_average_says_so(tmp_path: Path, capsys: pytest.C
         assert ("pulls on average" in repr(fr.ForceRecord.from_csv(path))) == (sign < 0.0)
     assert "pulls on average" in said[-1.0]
     assert "change the sign" not in said[1.0]
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "check --modes 1-4 --json",
+        "ranges --mean 0:0.2Fcr",
+        "certify --mean 0:0.01Fcr",
+        "map --mean 0:0.2Fcr --amplitude 0:0.1Fcr --points 3x3 --out {}.npz",
+        "simulate --case A:6 --duration 1ms --out {}.npz",
+        "explore --out {}.png",
+    ],
+)
+def test_every_command_warns_of_a_record_that_pulls_on_average(
+    question: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Answers without a line on the record, and JSON, would leave a sensor of the other sign unnoticed."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(0.0, 0.5, 1e-3)
+    push = MEAN + AMPLITUDE * np.sin(OMEGA * t)
+    said = {}
+    for sign in (1, -1):
+        np.savetxt("record.csv", np.c_[t, sign * push], "%.6g", ",", header="time / s,force / N", comments="")
+        cli.main([*question.format(sign).split(), "--rod", "nitinol", "--force", "record.csv"])
+        said[sign] = capsys.readouterr().err
+    assert "pulls" not in said[1]
+    line = "floquetrod: warning: the record pulls on average, as forces are positive in compression; if the sensor"
+    assert said[-1].count(line) == 1

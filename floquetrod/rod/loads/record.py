@@ -34,7 +34,7 @@ _HERTZ = "Hz"  # in which a record's frequency is said, as its spectrum is drawn
 _ERRORS = 2.0  # standard errors by which drawn loads depart from the fit: 95 %
 _PULLED = 0.1  # mean pull over the amplitude, from which it is said (a choice)
 _PULLS = (
-    "it pulls on average, as forces are positive in compression; if the sensor counts compression as negative, change "
+    " pulls on average, as forces are positive in compression; if the sensor counts compression as negative, change "
     "the sign of the forces"
 )
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
@@ -393,7 +393,11 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         named = {"time is in seconds": self.time_unit_named, "force is in newtons": self.force_unit_named}
         taken = " and ".join(words for words, is_named in named.items() if not is_named)
         notes = [f"the file names no unit, so {taken}"] * bool(taken) + [note] * bool(note)
-        return "; ".join([text, *notes, *[_PULLS] * (self.mean < -_PULLED * self.amplitude)])
+        return "; ".join([text, *notes, *self._pull_in_words("it")])
+
+    def _pull_in_words(self, it: str) -> list[str]:
+        """Return that the force pulls on average, of ``it``, where it does so by a tenth of its amplitude or more."""
+        return [it + _PULLS] * (self.mean < -_PULLED * self.amplitude)
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers) - 1])

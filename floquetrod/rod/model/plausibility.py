@@ -302,9 +302,9 @@ def warn_of_load(rod: Any, load: Load, source: LoadSource | None = None) -> None
 
 
 def warn_of_record(rod: Any, record: Any) -> None:
-    """Warn of a record whose times are suspicious, or whose file names no unit of force: taken in N, whatever it is."""
-    suspicions = list(suspicions_of_times(record))
-    if not record.force_unit_named:
+    """Warn of a record whose times are suspicious, that pulls on average, or whose file names no unit of force."""
+    suspicions = [*suspicions_of_times(record), *record._pull_in_words("the record")]
+    if not record.force_unit_named:  # taken in N, whatever it is
         forces = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))
         general = "the record names no unit of force: taken in N; give "
         suspicions += forces or [Message(general, Mention("force_unit"), ", such as N or lbf")]
