@@ -428,6 +428,7 @@ def test_worker_processes_compile_and_agree(method: str, tmp_path: Path) -> None
     assert run.stdout == "True True\n", run.stderr
 
 
+@pytest.mark.slow
 @needs_jit
 @pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
 def test_processes_that_start_together_compile_once(tmp_path: Path) -> None:

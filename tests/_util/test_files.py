@@ -77,6 +77,7 @@ def writer(request: pytest.FixtureRequest) -> tuple[str, Callable[[Path], object
     return WRITERS[request.param]
 
 
+@pytest.mark.slow
 def test_a_new_file_has_the_permissions_of_any_new_file(
     tmp_path: Path, writer: tuple[str, Callable[[Path], object]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,6 +89,7 @@ def test_a_new_file_has_the_permissions_of_any_new_file(
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["plain", name])
 
 
+@pytest.mark.slow
 def test_permissions_and_links_are_kept(tmp_path: Path, writer: tuple[str, Callable[[Path], object]]) -> None:
     name, save = writer
     (tmp_path / "elsewhere").mkdir()
@@ -302,6 +304,7 @@ def test_damaged_files_raise_value_errors(kinds: Any, tmp_path: Path, rng: np.ra
     assert attack(kinds, tmp_path / "file", rng, 400, forged=False) < 20
 
 
+@pytest.mark.slow
 def test_forged_files_raise_value_errors_if_anything(kinds: Any, tmp_path: Path, rng: np.random.Generator) -> None:
     """A seal that fits lets damage through to zip, numpy and JSON, and to the checks of every field."""
     attack(kinds, tmp_path / "file", rng, depth(400, 150), forged=True)
@@ -373,6 +376,7 @@ def test_every_field_of_a_chart_is_checked(tmp_path: Path, changes: dict[str, An
         fr.Chart.load(path)
 
 
+@pytest.mark.slow
 def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
     path = short_run().save(tmp_path / "run.npz")
     meta, arrays = unpacked(path)
@@ -549,6 +553,7 @@ def bombs(path: Path) -> dict[str, Callable[[], object]]:
     return readers
 
 
+@pytest.mark.slow
 def test_archives_that_unfold_to_what_does_not_fit_take_no_memory(tmp_path: Path) -> None:
     """Shapes are compared before anything is read, by every reader of such files."""
     readers = bombs(tmp_path)

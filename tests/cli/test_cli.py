@@ -219,6 +219,7 @@ FORMS: dict[tuple[str, str], Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", FORMS)
 @pytest.mark.parametrize("seed", range(depth(10, 2)))
 def test_compare_takes_every_form_of_mathieus_equation(
@@ -404,6 +405,7 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, cwd=ROOT, check=False)
 
 
+@pytest.mark.slow
 def test_a_reader_that_stops_early_is_no_error() -> None:
     run = subprocess.Popen(
         [sys.executable, "-m", "floquetrod", *CHECK, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT
@@ -457,6 +459,7 @@ def test_examples_run(
     assert captured.err == ""
 
 
+@pytest.mark.slow
 def test_the_critical_force_needs_no_number_before_it(capsys: pytest.CaptureFixture[str]) -> None:
     answers = []
     for ends in ("0.5:1Fcr", "0.5:Fcr"):
@@ -553,6 +556,7 @@ def test_margins_are_those_of_the_library(capsys: pytest.CaptureFixture[str]) ->
             assert record[f"{name}_margin_{side}_{unit}"] == (value if value < float("inf") else None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("units", "lines"),
     [

@@ -282,6 +282,7 @@ def test_a_store_is_continued_as_in_python(tmp_path: Path, capsys: pytest.Captur
     assert "another" in refused(capsys, other, "--store", store, "--resume")
 
 
+@pytest.mark.slow
 def test_parts_make_the_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("zarr")
     path, store = written(tmp_path), str(tmp_path / "runs.zarr")

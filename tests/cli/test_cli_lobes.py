@@ -76,6 +76,7 @@ def test_bad_files_are_refused(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_uneven_teeth_are_read_from_a_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -47,6 +47,7 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
     assert picture.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     path = fr.WellPath.from_csv(line[2])
     string = [*line[:4], "2.00x0.156 CT90", "--bore", "4.778in", "--friction", "0.9"]

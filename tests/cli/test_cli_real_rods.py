@@ -173,6 +173,7 @@ def test_json_tells_the_margins_that_the_library_finds(capsys: pytest.CaptureFix
     assert found["mean_force_margin_searched_N"] == list(margin.searched)
 
 
+@pytest.mark.slow
 def test_the_weight_along_the_rod_may_be_neglected(capsys: pytest.CaptureFixture[str]) -> None:
     text = said(capsys, "check", "--rod", WELL, *SHAKE, "--mean-at", "none")
     assert "          weight along the rod neglected\n" in text

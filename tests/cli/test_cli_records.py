@@ -38,6 +38,7 @@ def forces(text: str) -> set[str]:
     return set(re.findall(r"[\d.]+ (\w*(?:N|lbf|kgf|tf|kip))\b(?!/)", " ".join(lines)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_record_is_shown_in_its_own_unit(unit: str, tmp_path: Path) -> None:
     record = fr.ForceRecord.from_csv(written(tmp_path, unit))
@@ -124,6 +125,7 @@ def loads_drawn(capsys: pytest.CaptureFixture[str], arguments: list[str], monkey
     return json.loads(capsys.readouterr().out), asked[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OPTIONS)
 def test_the_noise_of_a_record_counts_whatever_an_option_changes(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -159,6 +161,7 @@ def checked(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, st
     return {line[:10].strip(): line[10:] for line in lines if re.match(r"[a-z]", line)}
 
 
+@pytest.mark.slow
 def test_the_sine_beside_a_random_force_has_no_noise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = str(written(tmp_path, "N"))
     lines = checked(capsys, *GROWING, "--force", path, "--noise", "spectrum")
@@ -171,6 +174,7 @@ def test_the_sine_beside_a_random_force_has_no_noise(tmp_path: Path, capsys: pyt
     assert float(match[1]) == pytest.approx(sine.growth_rate, rel=1e-5)  # in mean square it is twice as much
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("more", "name"), [([], "load"), (["--noise", "spectrum"], "noisy_load")])
 def test_an_unstable_record_names_the_damping_without_margins(
     more: list[str], name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -180,6 +180,7 @@ def test_a_rod_off_the_wall_has_no_mode(capsys: pytest.CaptureFixture[str]) -> N
     assert record["note"].startswith("off the wall in ")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.ResolutionWarning")
 def test_too_few_segments_are_a_note(capsys: pytest.CaptureFixture[str]) -> None:
     few = ["--mean", "3Fcr", "--amplitude", "0", "--segments", "37", "--duration", "0.3s"]
@@ -247,6 +248,7 @@ def test_enough_frames_for_the_growth_rate(capsys: pytest.CaptureFixture[str]) -
     assert fast["growth_rate_per_s"] is not None
 
 
+@pytest.mark.slow
 def test_a_tool_shakes_the_rod(capsys: pytest.CaptureFixture[str]) -> None:
     shaken = answer(capsys, "--tool", "0.5N@200Hz@1m", "--duration", "20ms")
     assert shaken["tool"] == {"amplitude": 0.5, "frequency": pytest.approx(400.0 * math.pi), "above_end": 1.0}

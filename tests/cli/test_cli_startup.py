@@ -73,6 +73,7 @@ def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:
     assert {each for each in others if f"floquetrod.cli.{each}" in loaded} == {line.split()[0]}
 
 
+@pytest.mark.slow
 def test_one_equation_by_every_method_compiles_nothing() -> None:
     """Loading numba takes seconds on a busy machine, longer than all methods together."""
     assert "numba" not in loaded_after("compare", "--a", "1.2", "--q", "0.9", "--damping", "0.1")
@@ -131,6 +132,7 @@ def test_a_full_disk_is_an_error_on_one_line() -> None:
     assert run(f"{CHECK} --json 2>/dev/full")[0] == 0
 
 
+@pytest.mark.slow
 def test_a_reader_of_errors_who_has_gone_costs_no_answer() -> None:
     """A warning that nobody reads must not be taken for an answer that nobody reads."""
     line = "check --rod nitinol --length 3100 --modes 1-3 --mean 0 --amplitude 0 --frequency 1 --json"

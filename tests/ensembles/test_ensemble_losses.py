@@ -248,6 +248,7 @@ PASSING = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_runs_that_failed_for_what_passes_are_made_again(kind: str, tmp_path: Path) -> None:
     place, over = tmp_path / kind, {"seed": range(8)}

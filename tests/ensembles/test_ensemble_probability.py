@@ -47,6 +47,7 @@ def limits(runs: Runs, over: Any, confidence: float = 0.95) -> tuple[float, floa
 # --- the interval ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [1, 2, 7, 40])
 def test_the_interval_of_whole_shares_is_that_of_clopper_and_pearson(n: int) -> None:
     for hits in range(n + 1):
@@ -82,6 +83,7 @@ KINDS: dict[str, Callable[[np.random.Generator, float, int], NDArray[np.float64]
 """How probable the result is in each of n samples, p on average."""
 
 
+@pytest.mark.slow
 @depth(600, 30)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_interval_covers_what_is_true(kind: str, draws: int) -> None:
@@ -164,6 +166,7 @@ def test_failed_and_pending_runs_widen_the_interval() -> None:
 # --- seeds -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_sample_has_seeds_of_its_own() -> None:
     over = {"seed": [3, 4, 5], "friction": FRICTION, "kick": [0.02, 0.1]}
     found = fr.ensemble(PROBLEM, over, samples=4, seed=9)
@@ -190,6 +193,7 @@ def test_seeds_of_any_numbers_differ() -> None:
     assert all(0 <= seed < 2**62 for seed in seeds)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["runs.npz", "runs.zarr"])
 def test_a_store_of_samples_and_seeds_goes_on(kind: str, tmp_path: Path) -> None:
     place, over = tmp_path / kind, {"friction": FRICTION, "seed": range(3)}

@@ -60,6 +60,7 @@ def test_failures_stay_recorded(kind: str, tmp_path: Path) -> None:
     assert "friction must be zero or more" in str(first.reason.values[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     ("changed", "match"),
@@ -121,6 +122,7 @@ def test_a_zarr_store_is_an_ordinary_dataset(tmp_path: Path) -> None:
         assert read.time_to_buckle.attrs["units"] == "s"
 
 
+@pytest.mark.slow
 def test_parts_fill_one_store_at_once(tmp_path: Path) -> None:
     """Many jobs that start together, as those of an array do."""
     place, whole = tmp_path / "runs.zarr", undisturbed()
@@ -132,6 +134,7 @@ def test_parts_fill_one_store_at_once(tmp_path: Path) -> None:
     assert not list(tmp_path.glob(".*"))
 
 
+@pytest.mark.slow
 def test_a_second_reader_sees_whole_runs_while_a_store_grows(tmp_path: Path) -> None:
     place, whole, seen, wrong = tmp_path / "runs.zarr", undisturbed(depth), [], []
     begun, read_once, finished = (threading.Event() for _ in range(3))
@@ -194,6 +197,7 @@ def test_a_store_that_a_living_process_fills_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.glob(".*"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere locks belong to the process")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_store_that_this_process_fills_is_refused(kind: str, tmp_path: Path) -> None:

@@ -216,6 +216,7 @@ def test_a_worker_that_was_interrupted_makes_its_runs_again() -> None:
         assert_same(fr.ensemble(PROBLEM, OVER, executor=pool), undisturbed())
 
 
+@pytest.mark.slow
 def test_what_submits_tasks_is_an_executor() -> None:
     """Of a Dask client its own executor, as the client's futures are not those of the standard library."""
 

@@ -261,6 +261,7 @@ def test_it_is_proved(kind: type, alpha: float, beta: float, damping: float) -> 
     assert ("its period, 2 pi, was taken as the double" in proof.statement) == (kind is Trapezoid)
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(10, 3))
 @given(KINDS, numbers(0.5, 3.0), numbers(-3.0, 0.5), st.just(0.0) | numbers(1e-2, 0.3))
 def test_it_is_solved_and_has_floquet_solutions(kind: type, alpha: float, beta: float, damping: float) -> None:

@@ -498,6 +498,7 @@ def oscillator(stiffness: Any) -> Any:
     return lambda t: [[0.0, 1.0], [-stiffness(t), 0.0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "stiffness",
     [

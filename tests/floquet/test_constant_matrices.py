@@ -236,6 +236,7 @@ FORMS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_batches_answer_as_general_maps_and_as_each_system(form: str) -> None:
     systems = batch_of(form)

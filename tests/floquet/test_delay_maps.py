@@ -10,6 +10,7 @@ from floquetrod.floquet.multipliers.delay_mesh import mesh, piece_mesh
 from tests.conftest import depth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("derivatives", [1, 2])
 def test_maps_by_piece_are_those_of_all_unknowns_at_once(derivatives: int, rng: np.random.Generator) -> None:
     for _ in range(depth(300, 50)):

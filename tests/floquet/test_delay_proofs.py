@@ -79,6 +79,7 @@ def test_what_is_left_out_is_bounded() -> None:
         assert math.log(largest) <= bound < math.log(largest) + 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("period", "delay"), [(1.0, 1.0), (0.5, 1.0), (2.0, 1.0), (4.0, 1.0), (1.0, 1.5)])
 def test_delays_of_parts_and_of_several_periods(period: float, delay: float) -> None:
     """Of x' = b x(t - tau), whatever its period is said to be, a root i w crosses at b tau = -pi / 2."""
@@ -221,6 +222,7 @@ def check_long(count: int, seed: int) -> dict[str, int]:
     return statuses
 
 
+@pytest.mark.slow
 def test_long_delays_drawn_are_counted_as_they_are_found() -> None:
     statuses = check_long(depth(8, 5), 3)
     assert statuses["undecided"] <= 2

@@ -24,6 +24,7 @@ def test_terms_that_cancel_for_one_sign_count_for_the_other(method: str) -> None
     assert max(abs(each - exact) for each in moved) < stated < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_drawn_systems(seed: int) -> None:
     rng = np.random.default_rng(seed)

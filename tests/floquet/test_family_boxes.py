@@ -101,6 +101,7 @@ def test_what_is_proved_of_a_box_holds_at_its_points(
     assert status.upper() in str(proof.report())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "box", "status"), BOXES[: depth(9, 4)])
 def test_the_balls_hold_every_system_of_the_box(
     family: Callable[..., Any], box: dict[str, tuple[float, float]], status: str, rng: np.random.Generator
@@ -200,6 +201,7 @@ def sampled(k: float, squeeze: float = 0.0) -> fr.HillSystem:
     return fr.HillSystem.from_function(stiffness, 2.0, jumps=[0.0, 0.7])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jumps", [False, True])
 def test_boxes_of_functions_that_were_sampled(jumps: bool, rng: np.random.Generator) -> None:
     """Coefficients of what was sampled are affine up to its stated error, those of a fit to a piece in sum only."""

@@ -48,6 +48,7 @@ def number_outside(found: Any) -> int:
     return sum(abs(mu) > 1.0 for mu in found.multipliers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("numbers", TABLE)
 def test_counts_and_moduli_are_those_of_the_table(numbers: tuple[float, float, float, float]) -> None:
     for periods, (outside, largest) in TABLE[numbers].items():
@@ -69,6 +70,7 @@ def test_moduli_are_those_of_25_digits() -> None:
         assert abs(fr.stability(delayed_mathieu(*numbers, periods)).multipliers[0]) == pytest.approx(modulus, abs=5e-14)
 
 
+@pytest.mark.slow
 def test_longer_delays_take_as_many_maps() -> None:
     costs = [fr.stability(delayed_mathieu(3.0, 2.0, 0.1, 0.2, r), "winding").cost.amount for r in (20, 2000)]
     assert abs(costs[1] - costs[0]) <= 2

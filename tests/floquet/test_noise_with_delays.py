@@ -75,6 +75,7 @@ def extrapolated(matrices: Any, noise: Any, delay: float, period: float, *, step
     return rates[0], 4.0 * abs(rates[0] - last) + 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("numbers", "rate"), TABLE)
 def test_without_a_delay_moments_grow_as_the_table_says(numbers: Any, rate: float) -> None:
     d, e, c, s = numbers
@@ -87,6 +88,7 @@ def test_without_a_delay_moments_grow_as_the_table_says(numbers: Any, rate: floa
     assert "second moments decay" in str(found.report())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(40, 4)))
 def test_without_a_delay_the_verdict_is_that_of_the_system_without(seed: int) -> None:
     rng = np.random.default_rng([54, seed])
@@ -127,6 +129,7 @@ def variance(a: float, b: float) -> float:
     return (b * math.sin(root) - root) / (2.0 * root * (a + b * math.cos(root)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(60, 4)))
 def test_noise_of_a_delayed_equation_is_tolerated_up_to_one_over_its_variance(seed: int) -> None:
     rng = np.random.default_rng([55, seed])
@@ -296,6 +299,7 @@ def test_stratonovichs_drift_reaches_delayed_values() -> None:
     assert both[0] == both[1]
 
 
+@pytest.mark.slow
 def test_coefficients_with_errors_have_larger_ones() -> None:
     exact = fr.DelaySystem.first_order([[-1.0]], [[[0.4]]], period=1.0, delayed=[(1.0, [[0.5]])])
     off = fr.DelaySystem.first_order([[-1.0]], [[[0.4]]], period=1.0, delayed=[(1.0, [[0.5]])], coefficient_error=1e-4)
@@ -314,6 +318,7 @@ def test_what_takes_too_much_is_undecided_and_says_so(monkeypatch: pytest.Monkey
         fr.critical_noise(hayes(-1.0, 0.3), [(ONE, 0.1)])
 
 
+@pytest.mark.slow
 def test_the_verdict_has_what_other_verdicts_have() -> None:
     system = fr.DelaySystem([[1.2]], [[[0.5]]], damping=[[0.3]], delayed=[(2.0, [[0.1]])])
     found = fr.stability(system, noise=[(ONE, 0.9, [(3.0, ONE)])])

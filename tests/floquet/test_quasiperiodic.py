@@ -104,6 +104,7 @@ def integrated(d: float, e1: float, e2: float, ratio: float, periods: int) -> fl
     return float(weights @ logs / weights.sum()) / (2.0 * math.pi)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_growth_is_that_of_a_long_integration(seed: int) -> None:
     agree(seed, 600)

@@ -405,6 +405,7 @@ def test_boxes_of_loads() -> None:
     assert min(found["stable"], found["unstable"], found["mixed"]) >= (5 if JIT else 1)
 
 
+@pytest.mark.slow
 def test_modes_left_out_grow_no_more_than_is_said() -> None:
     rng = np.random.default_rng(13)
     tail = compiled(regions.tail_modes)

@@ -70,6 +70,7 @@ def test_many_modes_are_left_unnamed() -> None:
     assert result.resonances == ()
 
 
+@pytest.mark.slow
 def test_what_is_lost_in_rounding_has_no_name() -> None:
     """Beside solutions that grow by e^95 in a period others are known with errors larger than their growth."""
     rod = fr.Rod(

@@ -81,6 +81,7 @@ def test_of_first_order_it_is_the_growth_rate() -> None:
     assert fr.stability(shifted).status == "stable"
 
 
+@pytest.mark.slow
 def test_none_is_needed_none_suffices_or_none_is_known(tuned: Tuned) -> None:
     assert fr.stability(coupled(3.1)).damping_to_stabilise == 0.0
     assert fr.stability(fr.HillSystem(np.diag([-1.0, 1.0]), [FORCING])).damping_to_stabilise == math.inf

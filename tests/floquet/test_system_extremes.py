@@ -112,6 +112,7 @@ def random_system(rng: np.random.Generator, kind: int) -> System:
     return fr.PeriodicSystem(0.1 * np.diag(diagonal) + coupling, forcing, period=period)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", range(8))
 def test_stiffnesses_of_every_size(kind: int, rng: np.random.Generator) -> None:
     for _ in range(1 if kind in (3, 4, 5) else depth(3, 1)):
@@ -146,6 +147,7 @@ def test_many_stiffnesses_of_every_size(seed: int, kind: int) -> None:
             assert {result.status, other.status} != {"stable", "unstable"}, (system, result, other)
 
 
+@pytest.mark.slow
 def test_a_map_whose_error_has_no_square_is_decided() -> None:
     rng = np.random.default_rng(1)
     systems = [random_system(rng, 3) for _ in range(4)]

@@ -305,6 +305,7 @@ def test_free_coordinates_drift(n: int, compile_after: float, tuned: Tuned) -> N
     assert np.linalg.norm((whole.matrix[0] - true) * scale) <= whole.error[0] < 1e-9
 
 
+@pytest.mark.slow
 @needs_jit
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
 @pytest.mark.parametrize("symmetric", [True, False])

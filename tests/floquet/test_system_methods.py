@@ -441,6 +441,7 @@ def test_stated_errors_cover_exponents_that_are_known(rng: np.random.Generator) 
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("digits", [10, 40, 70])
 def test_the_stated_error_of_the_map_covers_fewer_digits(digits: int) -> None:
     few, many = reference(coupled(3.0), digits=digits), reference(coupled(3.0), digits=digits + 30)

@@ -139,6 +139,7 @@ def test_few_steps_and_a_limit_still_find_a_kick() -> None:
     assert found == pytest.approx(whole.smallest_found, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_proved_bound_is_where_the_first_stop_may_be_left_outwards() -> None:
     """Followed event by event: up to the bound the first stop is kept, from there on it lies too far out."""
     followed = 0

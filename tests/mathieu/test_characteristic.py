@@ -78,6 +78,7 @@ def _nearest_eigenvalue(diagonal: list[float], off: list[float], x: mpmath.mpf) 
 WIDTHS = [(1, 0.3), (4, 30.0), (7, 0.01), (10, 1.0), (12, 7.0), (15, 1.0), (20, 1.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "q"), WIDTHS[:: depth(1, 4)])
 def test_widths_accurate_relative_to_themselves(order: int, q: float) -> None:
     with mpmath.workdps(90):

@@ -220,6 +220,7 @@ def test_calls_from_threads() -> None:
     assert all(np.array_equal(expected, one) for one in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("alpha", [0.0, 1e-300, 1e-160, 1e-30, 1.0, 1e6, 1e9][:: depth(1, 3)])
 @pytest.mark.parametrize("beta", [-1e9, -1e6, -1.0, -0.25, -1e-300, 0.0, 1e-300, 1.0, 1e6, 1e9][:: depth(1, 3)])
 def test_extreme_parameters_neither_crash_nor_loop(alpha: float, beta: float, tuned: Tuned) -> None:

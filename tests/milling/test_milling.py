@@ -95,6 +95,7 @@ def test_no_depth_leaves_the_free_vibration() -> None:
     assert found.exponents[0].real == pytest.approx(-0.011 * MODE.frequency, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_lobes_are_named_and_agree_with_single_verdicts() -> None:
     mill = cutter()
     lobes = mill.lobes(("14000rpm", "22000rpm", 16), ("0.1mm", "3.5mm", 8))
@@ -329,6 +330,7 @@ def test_progress_of_lobes_rises_to_the_end_and_may_end_the_work() -> None:
         mill.lobes(*plane, progress=3)
 
 
+@pytest.mark.slow
 def test_the_least_depth_of_a_lobe_is_searched_between_columns() -> None:
     lobes = cutter().lobes(("5650rpm", "6550rpm", 8), ("0mm", "1mm", 6))
     (lobe,) = lobes.lobes
@@ -370,6 +372,7 @@ def variable_pitch_cutter() -> fr.Milling:
     )
 
 
+@pytest.mark.slow
 def test_a_flip_lobe_between_columns_is_listed_and_named_in_the_picture() -> None:
     lobes = variable_pitch_cutter().lobes(("6500rpm", "6950rpm", 4), ("0mm", "4.5mm", 10))
     rpm = 30.0 / math.pi

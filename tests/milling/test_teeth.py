@@ -99,6 +99,7 @@ def require_agreement(mill: fr.Milling, speed: float, deep: float) -> float:
     return abs(growth - own)
 
 
+@pytest.mark.slow
 def test_drawn_cutters_grow_as_a_semi_discretisation_says() -> None:
     rng = np.random.default_rng(54)
     for _ in range(depth(10, 3)):
@@ -207,6 +208,7 @@ def test_critical_depths_separate_verdicts(helical: bool) -> None:
             assert [mill.stability(speed, deep * (1.0 + by)).status for by in (-1e-5, 1e-5)] == ["stable", "unstable"]
 
 
+@pytest.mark.slow
 def test_lobes_of_uneven_teeth_agree_with_single_verdicts() -> None:
     helical = milling(teeth=4, pitch=["70deg", "110deg"] * 2, helix="30deg", diameter="12mm", immersion=0.3)
     for mill in (UNEVEN, helical) if DEEP else (UNEVEN,):

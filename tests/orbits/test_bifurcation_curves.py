@@ -147,6 +147,7 @@ def test_a_curve_in_closed_form(name: str) -> None:
     assert (curve.outside == 0).all()
 
 
+@pytest.mark.slow
 def test_how_curves_end() -> None:
     ring_curve = curve_of("ring")
     assert ring_curve.ends == ("the curve closes on itself", "the curve closes on itself")
@@ -185,6 +186,7 @@ def test_points_at_which_several_multipliers_cross_are_refused() -> None:
         fr.follow(point, {"p": (-1.0, 1.0), "q": (-1.0, 1.0)})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("over", "error", "message"),
     [
@@ -310,6 +312,7 @@ def test_drawn_points_of_curves_are_those_that_branches_have(name: str, seed: in
     assert abs(by_curve - by_branch) < 1e-8
 
 
+@pytest.mark.slow
 def test_report_and_plot_of_a_curve() -> None:
     curve = curve_of("cycle in a plane")
     assert curve.report().headline == "branch point curve of periodic orbits"
@@ -327,6 +330,7 @@ def test_report_and_plot_of_a_curve() -> None:
     assert "error" in str(curve)
 
 
+@pytest.mark.slow
 def test_a_curve_ends_by_until_steps_and_ctrl_c() -> None:
     known, calls = KNOWN["ring"], list[tuple[int, int]]()
 

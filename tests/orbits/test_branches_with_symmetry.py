@@ -184,6 +184,7 @@ def test_drawn_branches_with_symmetry(family: Callable[[np.random.Generator, int
         LOG.info("%s %d %s", family.__name__, count, branch.special_points)
 
 
+@pytest.mark.slow
 def test_identical_oscillators_lose_all_but_one_multiplier_together() -> None:
     """At K = 2 with w = 1, c = 3, b = -1, of three oscillators: the sign of a product does not change."""
 

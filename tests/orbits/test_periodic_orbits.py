@@ -276,6 +276,7 @@ def mixed(rng: np.random.Generator) -> tuple[Any, Any, list[float], bool]:
     return (circling, [1.0, 0.0] + [0.0] * count, logs, True) if autonomous else (forced, [1.0] * count, logs, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(60, 6)))
 def test_each_multiplier_has_an_error_of_its_own(seed: int) -> None:
     """Logarithms known by construction, from 1 to -500: a small one that is not known well leaves the others sure."""

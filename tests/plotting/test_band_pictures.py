@@ -109,6 +109,7 @@ def shown(ax: Any) -> dict[str, tuple[float, float]]:
     return {}
 
 
+@pytest.mark.slow
 def test_files_hold_shapes_and_no_image() -> None:
     bands = bands_of(box(0.1, 0.4, 0.1, 0.9, 7, 1), box(0.6, 0.9, 0.2, 0.8, 8, 1))
     for plot in (bands.plot, chart_of(bands).plot):
@@ -139,6 +140,7 @@ def test_a_band_thinner_than_a_pixel_is_a_line(growth: float | None) -> None:
     assert is_colour(picture[:, : int(0.28 * picture.shape[1])], palette.STABLE).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [False, True])
 def test_growth_fills_bands_to_their_edges_and_no_further(turned: bool) -> None:
     # The edges lie between points of the chart; where the two overlap is inside both.
@@ -293,6 +295,7 @@ def test_no_line_to_a_name_crosses_another_band() -> None:
     pyplot.close("all")
 
 
+@pytest.mark.slow
 def test_labels_avoid_markers_lines_texts_and_legends() -> None:
     def place(*what: str) -> tuple[float, float] | None:
         ax = bands_of(box(0.35, 0.65, 0.0, 1.0, 7, 1)).plot()
@@ -396,6 +399,7 @@ def test_notes_of_panels_side_by_side_stay_apart() -> None:
     pyplot.close(figure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(40, 1)))
 def test_what_a_note_explains_is_drawn(seed: int) -> None:
     rng = np.random.default_rng(seed)

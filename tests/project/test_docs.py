@@ -178,6 +178,7 @@ def with_mistake(page: str, right: str, wrong: str) -> str:
     return text.replace(right, wrong)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", quick(sorted({page for page, _, _ in MISTAKES})))
 def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str) -> None:
     # What precedes a mistake is run once: before a cell is run, so is each wrong one in its place, and what follows it.

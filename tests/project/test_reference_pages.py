@@ -95,6 +95,7 @@ def test_every_function_says_what_it_returns(documented: list[Any]) -> None:
     assert lacking == []
 
 
+@pytest.mark.slow
 def test_what_refuses_arguments_says_what_it_raises(documented: list[Any]) -> None:
     """What the attack by junk calls with more than axes, and what has a statement that raises or checks."""
     lacking = []
@@ -117,6 +118,7 @@ def test_pages_named_in_docstrings_exist() -> None:
     assert len(named) > 10
 
 
+@pytest.mark.slow
 def test_every_name_of_the_index_leads_to_its_source(documented: list[Any]) -> None:
     written = extension("source_pages").written
     for entry in documented:

@@ -94,6 +94,7 @@ def rates(rod: Any, mean: float, amplitude: float, omega: float, modes: range) -
     return np.log(np.abs(np.linalg.eigvals(end.reshape(n.size, 2, 2))).max(axis=1)) / period
 
 
+@pytest.mark.slow
 def test_my_rod_is_stable_in_its_windows_alone(ran: Ran) -> None:
     names, _ = ran("my_rod")
     rod, windows = names["rod"], names["windows"]

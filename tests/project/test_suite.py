@@ -26,6 +26,7 @@ def test_each_file_opens_with_what_it_guards(path: Path) -> None:
     assert guards(path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_no_two_files_guard_the_same() -> None:
     lines = [guards(path.read_text(encoding="utf-8")) for path in FILES]
     assert sorted(set(lines)) == sorted(lines)

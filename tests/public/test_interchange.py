@@ -137,6 +137,7 @@ def test_without_pandas_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
         fr.to_pandas(LEVEL)
 
 
+@pytest.mark.slow
 def test_tables_of_pandas() -> None:
     pytest.importorskip("pandas", reason="pip install floquetrod[pandas]")
     found = ALL["mean force"]()
@@ -180,6 +181,7 @@ def test_a_branch_is_a_table_with_a_row_for_each_orbit() -> None:
     assert np.array_equal(table["multipliers_0_im"], first.imag)
 
 
+@pytest.mark.slow
 def test_neither_pandas_nor_pint_is_imported() -> None:
     code = "import floquetrod as fr, sys; fr.to_json(fr.Rod.nitinol()); print({'pandas', 'pint'} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "set()\n"

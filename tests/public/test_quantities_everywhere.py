@@ -308,6 +308,7 @@ def wrong(name: str, argument: str) -> list[Any]:
     return [*(lambda x, q=q, unit=unit: q(x, unit) for q in quantities() for unit in ("candela", other))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(10))
 def test_a_quantity_of_a_wrong_dimension_is_refused_by_every_argument(part: int) -> None:
     """Of every public callable, and every argument with a number in it, physical or not."""

@@ -132,6 +132,7 @@ def _errors(seed: int, method: str) -> tuple[float, float]:
     return float(np.abs(values - exact).max() / np.max(steady.largest)), steady.error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(15, 4)))
 def test_drawn_problems_against_dop853(seed: int) -> None:
     for method in METHODS:

@@ -108,6 +108,7 @@ def test_another_result_is_passed_on_with_what_it_says(tmp_path: Path) -> None:
     assert "data:image" not in page
 
 
+@pytest.mark.slow
 def test_an_equation_is_passed_on_with_what_changes_its_verdict(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -226,6 +227,7 @@ def test_of_tubing_in_a_well_reach_is_told_and_drawn(tmp_path: Path) -> None:
 UNITS = {"mean": "lbf", "amplitude": "lbf", "frequency": "Hz", "length": "ft", "pressure": "ksi"}
 
 
+@pytest.mark.slow
 def test_all_of_it_is_in_the_units_asked_for(tmp_path: Path) -> None:
     tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="20ft", inclination="60deg")
     verdict = tubing.stability(fr.AxialLoad("3000lbf", 0.0, "15Hz"))

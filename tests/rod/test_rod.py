@@ -356,6 +356,7 @@ def test_a_fast_load_gets_a_warning() -> None:
         ROD.stability(load(0.1, 0.1, 150.0))
 
 
+@pytest.mark.slow
 @needs_jit
 @pytest.mark.parametrize(
     "ask",

@@ -56,6 +56,7 @@ def _stable(equation: Any) -> list[Orbit]:
     return [Orbit(2, np.zeros((4, 2)), 0.4, np.array([0.5, 0.5]))]
 
 
+@pytest.mark.slow
 def test_a_load_above_a_tongue_is_stable_and_not_safe_against_every_kick() -> None:
     found = ROD.safe_kick(ABOVE_A_TONGUE)
     assert ROD.stability(ABOVE_A_TONGUE).status == "stable"

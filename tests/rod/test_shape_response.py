@@ -138,6 +138,7 @@ def test_sampled_sines_are_sines() -> None:
         assert other.stress == pytest.approx(one.stress, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_bend_is_the_sum_of_its_sines() -> None:
     # kappa_0 s (s - L) / 2 has the sine amplitudes -4 kappa_0 L^2 / (pi m)^3, m odd.
     odd = np.arange(1, depth(400, 200), 2)
@@ -211,6 +212,7 @@ def test_it_grows_without_bound_towards_an_even_tongue_and_not_towards_an_odd_on
 # --- maps ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [{5: 1e-4}, {4: 1e-4, 7: -2e-4}, REEL, RANDOM], ids=str)
 def test_a_map_has_the_deflection_of_each_load(shape: Any) -> None:
     rod = shaped(shape)

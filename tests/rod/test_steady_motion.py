@@ -45,6 +45,7 @@ def beyond(seed: int) -> tuple[fr.Rod, fr.AxialLoad]:
     return rod, fr.AxialLoad(mean, amplitude, float(rng.uniform(0.5, 4.0)) * swing)
 
 
+@pytest.mark.slow
 def test_angles_beyond_the_limit_are_refused_and_not_answered(tuned: Tuned) -> None:
     under = load(0.1, 0.3, 110.0)
     moves = SHORT.steady_motion(under)

@@ -170,6 +170,7 @@ def test_what_is_certain_has_no_importance() -> None:
     assert f"{seldom.unstable} unstable samples are too few" in seldom.note
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_samples() -> None:
     given = {"mean": stats.norm(0.34 * UNIT, 0.03 * UNIT), "length": (3.05, 3.15)}
     calls: list[tuple[int, int]] = []
@@ -337,6 +338,7 @@ def wells_and_rods(levels: NDArray[np.float64]) -> Any:
         yield TURNS.replace(path=path, density=6300.0 + 400.0 * u[4])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning")
 def test_errors_of_a_survey_give_the_verdicts_of_the_wells_they_make() -> None:
     levels = np.random.default_rng(3).uniform(0.01, 0.99, (11, depth(300, 16)))

@@ -243,6 +243,7 @@ def test_lock_up_length(seed: int) -> None:
     assert pressed == pytest.approx(GAP * (force[places] ** 2).mean() / (4.0 * STIFFNESS), rel=0.04)
 
 
+@pytest.mark.slow
 def test_a_sliding_helix_is_held_back_by_its_contact_force() -> None:
     """Friction opposes the whole slip, of which a small part is around the channel."""
     friction = 0.3

@@ -37,6 +37,7 @@ def kinds(found: Any) -> list[str]:
     return [outcome.KINDS[number] for number in found.outcome.values.tolist()]
 
 
+@pytest.mark.slow
 def test_rods_that_lie_still_have_not_buckled() -> None:
     """Without any load, at rest at 5 to 10 degrees where friction 0.4 holds up to 21.8."""
     found = kicked(NONE, 0.16, range(depth(20, 8)))
@@ -157,6 +158,7 @@ over = {kick = ["160mm/s"], seed = {from = 2, to = 5}}
 """
 
 
+@pytest.mark.slow
 def test_the_terminal_says_what_buckled_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
@@ -174,6 +176,7 @@ def test_the_terminal_says_what_buckled_means(tmp_path: Path, capsys: pytest.Cap
     assert f"buckled   means {outcome.DEFINITION}" in out
 
 
+@pytest.mark.slow
 def test_buckling_under_a_load_that_theory_calls_stable_is_noted(tuned: Tuned) -> None:
     tuned(swings_that_are_growth=0.1)  # as if swinging on were growth
     found = kicked(STABLE, 0.16, range(3), friction=0.0)

@@ -131,6 +131,7 @@ def test_bending_frequencies_converge_at_fourth_order(ends: str) -> None:
     assert abs(fine) < 1.02 * 59.0 / 5760.0 * (ROOTS[ends] / 20.0) ** 4 + 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("inner", "fluid"), [(0.0, 0.0), (0.7e-3, 500.0)])
 def test_moving_it_bends_and_stretches_at_these_frequencies(inner: float, fluid: float) -> None:
     """Steps in time included.  A tube moves along with its material alone, across with the fluids as well."""

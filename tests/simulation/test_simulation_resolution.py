@@ -106,6 +106,7 @@ def test_growth_of_modes_that_segments_hardly_resolve_has_an_error_that_says_so(
     assert errors == sorted(errors, reverse=True)
 
 
+@pytest.mark.slow
 def test_a_rod_that_has_left_the_wall_says_so_in_place_of_a_mode() -> None:
     load = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)
     thrown = fr.simulate(ROD, load, duration=0.5, perturbation=fr.Perturbation.modes({3: 3.0}))

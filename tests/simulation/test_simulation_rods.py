@@ -65,6 +65,7 @@ def vibration(load: fr.AxialLoad | fr.AxialWave, s: np.ndarray, time: np.ndarray
     return total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("waveform", BOTH_FORMS)
 @pytest.mark.parametrize("far_end", ["held", "free", "driven"])
 def test_the_axial_force_is_that_of_the_wave_at_all_times(far_end: str, waveform: Any) -> None:

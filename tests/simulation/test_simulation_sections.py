@@ -253,6 +253,7 @@ def test_forces_are_the_gradient_of_the_energy(ends: str, path: Any) -> None:
 # --- rest, balance, symmetry ---
 
 
+@pytest.mark.slow
 def test_a_string_laid_over_steps_of_the_wall_and_its_own_stays_at_rest() -> None:
     string = wire(bores=STEPPED, damping_rate=3.0)
     run = simulated(string, fr.AxialLoad(0.2, 0.0, 1.0), 0.05, perturbation=REST)
@@ -344,6 +345,7 @@ def test_an_ensemble_of_strings_has_the_runs_of_each() -> None:
         assert float(np.ravel(found["largest_angle"])[place]) == run.largest_angle.max()
 
 
+@pytest.mark.slow
 def test_a_run_of_a_string_is_drawn() -> None:
     run = simulated(wire(bores=STEPPED), frames=41)
     for axes in (run.plot(), run.plot_energy(), run.plot_growth()):

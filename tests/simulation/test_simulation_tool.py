@@ -32,6 +32,7 @@ def simulated(rod: fr.Rod = ROD, load: Any = STILL, duration: float = 0.01, **op
 # --- the tool ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("above_end", [1.55, 1.0, 0.0])
 @pytest.mark.parametrize("path", [None, fr.WellPath.straight(length=5.0, inclination=1.0)])
 def test_waves_run_from_it_both_ways_with_its_share(above_end: float, path: fr.WellPath | None) -> None:

@@ -48,6 +48,7 @@ def require_the_rest_of(longer: fr.Simulation, later: fr.Simulation) -> None:
         np.testing.assert_array_equal(values, longer.energy[name][begin:])
 
 
+@pytest.mark.slow
 @given(problems(), st.sampled_from([None, TOOL]))
 @settings(max_examples=depth(100, 5))
 def test_under_the_same_load_it_is_the_run_continued_bit_for_bit(
@@ -102,6 +103,7 @@ def test_a_buckled_rod_is_said_to_be_so_until_it_is_at_rest(buckled: fr.Simulati
     assert kinds[-1] == "quiet"
 
 
+@pytest.mark.slow
 def test_what_is_said_of_a_run_is_what_comes_of_the_rod(buckled: fr.Simulation, rng: np.random.Generator) -> None:
     """Of loads that are drawn: what is dying out comes to rest, what stays large was buckled all the time."""
     for _ in range(depth(40, 2)):
@@ -156,6 +158,7 @@ def test_growth_after_a_stable_load_is_that_without_it() -> None:
     assert later.outcome.kind == alone.outcome.kind == "quiet"
 
 
+@pytest.mark.slow
 def test_growth_of_a_run_that_begins_large_is_refused_in_a_sentence(buckled: fr.Simulation) -> None:
     for load in (CALM, fr.AxialWave(CALM.mean, CALM.amplitude, CALM.frequency)):
         run = fr.simulate(ROD, load, duration=0.2, start=buckled)
@@ -213,6 +216,7 @@ def test_damping_gravity_and_forces_may_differ(buckled: fr.Simulation) -> None:
         assert np.abs(run.energy_error).max() < 1e-3 * np.ptp(run.energy["kinetic"])
 
 
+@pytest.mark.slow
 def test_in_a_well_rest_is_where_the_new_load_presses_it(tmp_path: Path) -> None:
     """A pull lifts the rod in the bend; the later run rests where its own load lays it."""
     path = fr.WellPath.arc(length=4.0, inclination=(1.2, 1.4), azimuth=(0.0, 0.15))

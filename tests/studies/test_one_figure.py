@@ -27,6 +27,7 @@ def drawn(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Rows:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_a_panel_has_the_points_that_are_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = drawn("2a", tmp_path / "new", monkeypatch)
     assert {row["panel"] for row in rows} == {"a"}
@@ -75,6 +76,7 @@ def test_a_panel_alone_fills_its_page(tmp_path: Path, monkeypatch: pytest.Monkey
     assert (box.width > 0.7, box.height > 0.5) == (True, True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -99,6 +99,7 @@ def test_free_waves() -> None:
 # --- drawn potentials ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_drawn_potentials(rng: np.random.Generator) -> None:
     check(rng, depth(6, 3))
 
@@ -141,6 +142,7 @@ def compare(potential: Any, expected: NDArray[Any], phase: float, below: float) 
 # --- what else they tell ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_edges_gaps_and_proofs() -> None:
     found = fr.bands(PRINTED, below=3.0)
     assert found.energies.shape == (65, 4)

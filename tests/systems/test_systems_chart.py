@@ -57,6 +57,7 @@ def test_a_chart_is_its_verdicts() -> None:
     assert fr.chart(coupled, over=OVER, workers=1) == fr.chart(coupled, over=OVER, workers=2)
 
 
+@pytest.mark.slow
 def test_bands_are_named_by_their_resonance(tmp_path: Path) -> None:
     """Of natural frequencies 1 and 2 a symmetric coupling forces the sum, an antisymmetric one the difference."""
 
@@ -180,6 +181,7 @@ def test_a_function_of_no_module_is_charted_under_its_name() -> None:
     assert fr.chart(known["by_hand"], over=OVER).subject["name"] == "by_hand"
 
 
+@pytest.mark.slow
 def test_a_plot_is_labelled() -> None:
     chart = fr.chart(coupled, over=OVER, growth=True)
     axes = chart.plot()

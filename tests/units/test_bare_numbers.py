@@ -29,6 +29,7 @@ def said(capsys: pytest.CaptureFixture[str], *words: str, status: int = 0) -> tu
     return captured.out, captured.err
 
 
+@pytest.mark.slow
 def test_spindle_speeds_are_in_rpm(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = str(EXAMPLES / "tool.toml")
     for rpm in np.random.default_rng(1).integers(4000, 25_000, depth(12, 1)).tolist():
@@ -110,6 +111,7 @@ def test_a_vibration_tool_has_all_its_units_or_none() -> None:
     assert read_tool("5kN@18Hz@0", "--tool").above_end == 0.0
 
 
+@pytest.mark.slow
 def test_the_tool_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--tool", "1000lbf@15Hz@50ft", "--depths", "3000ft", "--unit", "ft,lbf"]
     out, err = said(capsys, "reach", *WELL, *words)
@@ -119,6 +121,7 @@ def test_the_tool_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert said(capsys, "reach", *WELL, *words, "--push", "500")[1].count("--push 500 is taken in N") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "warned"),
     [
@@ -205,6 +208,7 @@ def survey(folder: Path, rows: np.ndarray, heading: str = "MD (m),Inc (deg),Azi 
     return file
 
 
+@pytest.mark.slow
 def test_surveys_in_other_conventions_are_warned_of(tmp_path: Path) -> None:
     rng = np.random.default_rng(11)
     for _ in range(depth(300, 25)):

@@ -48,6 +48,7 @@ def test_in_a_level_hole_it_ends_where_lock_up_does() -> None:
     assert found.reach == pytest.approx(expected, abs=path.end / 10.0 / 25.0**2)
 
 
+@pytest.mark.slow
 def test_where_it_ends_mean_forces_become_infinite() -> None:
     found = TUBING.reach(WELL, 0.3, depth=DEPTHS)
     step = 1000.0 / 25.0**2
@@ -272,6 +273,7 @@ def test_a_weak_injector_stops_it_before_lock_up() -> None:
     assert TUBING.reach(path, 0.1, depth=[1000.0]).reach == 1000.0
 
 
+@pytest.mark.slow
 def test_a_tool_too_weak_to_move_the_string_gains_nothing() -> None:
     found = TUBING.reach(WELL, 0.3, tool=fr.VibrationTool(1.0, "18Hz"), depth=[2500.0, 3500.0])
     assert found.reach < 3500.0
@@ -281,6 +283,7 @@ def test_a_tool_too_weak_to_move_the_string_gains_nothing() -> None:
     assert replace(found, reach_shaken=found.reach - 100.0).gain == pytest.approx(-100.0)
 
 
+@pytest.mark.slow
 def test_gains_that_the_depths_asked_for_cut_short_say_so() -> None:
     """At other speeds and frequencies, too: a longer search would give larger gains there."""
     lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[3500.0]).report().lines)

@@ -163,6 +163,7 @@ def test_a_string_is_the_solution_of_its_equation() -> None:
             assert found == pytest.approx(at[depth], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_equal_sections_are_a_uniform_rod_to_the_bit() -> None:
     pipe = {"fluid_inside": 1e3, "fluid_outside": 1e3}
     halves = [fr.Section("2.00x0.156 CT90", length=length) for length in ("2000m", "3000m")]
@@ -207,6 +208,7 @@ def test_a_reach_is_the_deepest_depth_to_which_a_string_goes_through_all_before(
             assert found.reach == string.well.end
 
 
+@pytest.mark.slow
 def test_a_string_goes_no_deeper_than_it_is_long() -> None:
     found = STRING.reach(WELL, 0.1, yield_share=None)
     assert (found.limit, found.reach) == ("length of the string", 3205.0)
@@ -301,6 +303,7 @@ def test_a_tool_shakes_sections_as_force_and_wave_integrated_together_say() -> N
             assert vibration == pytest.approx(abs(state[1]), abs=5e-3 * along.vibration.max())
 
 
+@pytest.mark.slow
 def test_a_reach_says_which_section_limits_it_and_where() -> None:
     """The weak one yields, although the other bears more; of helices that of the slender one takes most friction."""
     thin, thick = (
@@ -326,6 +329,7 @@ def test_a_reach_says_which_section_limits_it_and_where() -> None:
     assert found.yield_strength == 700e6
 
 
+@pytest.mark.slow
 def test_the_section_at_the_wellhead_bears_its_pressure() -> None:
     """Which is the lowest while the string goes in."""
     pressure, areas = 5e6, [math.pi * section.radius**2 for section in SECTIONS]
@@ -339,6 +343,7 @@ def test_the_section_at_the_wellhead_bears_its_pressure() -> None:
         assert reach.wellhead_force == pytest.approx(pressure * area, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_report_in_one_file_has_the_wellhead_of_a_string_of_several_sections(tmp_path: Path) -> None:
     reach = STRING.reach(WELL, 0.2, depth=[2000.0], wellhead_pressure=5e6, stripper="2kN")
     text = fr.save_report(reach, tmp_path / "reach.html").read_text()

@@ -217,6 +217,7 @@ def test_the_terminal_and_python_agree(seed: int, tmp_path: Path, capsys: pytest
     assert rows == list(zip(np.repeat(names, 2), found.pick_up.ravel(), strict=True))
 
 
+@pytest.mark.slow
 def test_what_it_says_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     survey, picture = tmp_path / "survey.csv", tmp_path / "weights.png"
     survey.write_text("MD (ft),Inc (deg),Azi (deg)\n0,0,0\n3000,0,0\n4500,90,0\n13000,90,0\n", encoding="utf-8")

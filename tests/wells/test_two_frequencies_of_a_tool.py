@@ -160,6 +160,7 @@ def test_a_second_sine_that_does_not_push_changes_no_digit(seed: int) -> None:
     assert mean_force(only) == mean_force(fr.VibrationTool(*only.sines[1], tool.above_end))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_exchanged_sines_change_no_digit(seed: int) -> None:
     tool = drawn_tool(seed)
@@ -178,6 +179,7 @@ def test_sines_of_one_frequency_add_as_vectors(seed: int) -> None:
     np.testing.assert_allclose(mean_force(both).force, one.force, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_weak_second_sine_changes_little() -> None:
     tool = drawn_tool(0)
     weak = mean_force(drawn_tool(0, second=(1e-3, tool.sines[1][1])))
@@ -238,6 +240,7 @@ def test_friction_of_locked_phases_beyond_those_refused_is_that_of_free_ones_to_
 LEVEL = fr.WellPath.straight(length=400.0, inclination="90deg")
 
 
+@pytest.mark.slow
 def test_a_second_sine_lessens_the_push_and_lateral_waves_have_their_growth() -> None:
     tools = (fr.VibrationTool("5kN", "18Hz", "30m", second=second) for second in (None, ("3kN", "29Hz")))
     alone, found = (TUBING.reach(LEVEL, 0.3, tool=tool, depth=[400.0]) for tool in tools)

@@ -50,6 +50,7 @@ def test_without_a_wellhead_nothing_changes() -> None:
     assert "wellhead" not in dict(plain.report().lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(12, 1)))
 def test_the_injector_has_less_left_for_the_string(seed: int) -> None:
     """A reach within a push against pressure and stripper is that within what they leave of it."""
@@ -119,6 +120,7 @@ def test_bare_pressure_of_a_thick_wall() -> None:
     assert found == pytest.approx(von_mises(PIPE, 0.0, 0.0, 5e7, 0.0), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_pressure_takes_its_part_of_the_yield_share() -> None:
     """The reach ends where von Mises' stress along the string, by the test's own formula, comes to the share."""
     heavy = PIPE.replace(fluid_inside=1400.0)

@@ -319,6 +319,7 @@ def _static(mode: int) -> float:
     return ROD.flexural_rigidity * w**2 + ROD.mass_per_length * ROD.pendulum_frequency**2 / w**2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mean", "amplitude", "omega"), [(0.2, 0.2, 150.0), (0.34, 0.2, 150.0), (0.5, 0.4, 85.0)])
 def test_margins_in_every_direction(mean: float, amplitude: float, omega: float) -> None:
     load = fr.AxialLoad(mean * FCR, amplitude * FCR, omega)

@@ -42,6 +42,7 @@ def denominator(far_end: str, phase: complex) -> complex:
 # --- the response ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 0.4, 20.0, 3000.0])
 @pytest.mark.parametrize("far_end", FAR_ENDS)
 def test_the_largest_force_is_that_of_a_fine_grid(far_end: str, damping: float, rng: np.random.Generator) -> None:

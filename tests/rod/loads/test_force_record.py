@@ -175,6 +175,7 @@ def wandering(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
     return case.time, case.force + 0.05 * walk / walk.std()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering][:: depth(1, 3)])
 def test_imperfect_records(change: Callable[..., tuple[Any, Any]], rng: np.random.Generator) -> None:
     many = depth(20, 10)
@@ -211,6 +212,7 @@ def test_a_fundamental_weaker_than_its_harmonics_is_found(rng: np.random.Generat
         assert record.frequency == pytest.approx(OMEGA, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_pure_wave_is_not_taken_for_a_harmonic(rng: np.random.Generator) -> None:
     time = np.arange(1500) * (PERIOD / 200)
     many = depth(50, 20)
@@ -393,6 +395,7 @@ def pairs() -> list[tuple[float, float]]:
     return list(zip(TIME.tolist(), FORCE.tolist(), strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("head", "made_with", "options"),
     [

@@ -60,6 +60,7 @@ def test_static_angle_of_one_sine_is_that_of_the_shared_truth_and_of_bessel_func
     assert bent + weight == pytest.approx(1.06 * CRITICAL * k**2 * largest, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("angle", "with_inertia", "without"), [(0.1382, 74.3900, 74.3960), (0.27254, 76.0236, 76.0535)]
 )

@@ -101,6 +101,7 @@ def evaluated(ends: EndConditions, mode: int, x: np.ndarray, d: int = 0) -> np.n
 # --- single functions ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
 def test_wavenumbers_are_the_roots_of_the_characteristic_equation(ends: EndConditions) -> None:
     exact = np.array(exact_wavenumbers(known_by(ends)), dtype=np.float64)
@@ -125,6 +126,7 @@ def test_first_frequencies_are_those_of_the_textbook() -> None:
         assert waves[waves > 0.0][0] ** 2 == pytest.approx(value, abs=5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
 def test_functions_are_the_eigenfunctions(ends: EndConditions) -> None:
     x = np.linspace(0.0, 1.0, 41)
@@ -172,6 +174,7 @@ def test_a_basis_is_orthonormal(ends: EndConditions, count: int) -> None:
     assert count > 12 or sines or found.size >= count + 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
 def test_matrices_are_the_integrals_of_derivatives(ends: EndConditions) -> None:
     found = beam.basis(ends, 7)

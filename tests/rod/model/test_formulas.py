@@ -42,6 +42,7 @@ def random_rods(count: int, seed: int) -> list[fr.Rod]:
     return rods
 
 
+@pytest.mark.slow
 def test_numbers_of_rods_are_those_of_the_formulas_as_first_written() -> None:
     """The values of earlier versions, to the bit."""
     for rod in random_rods(1000, 1):

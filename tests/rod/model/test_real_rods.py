@@ -349,6 +349,7 @@ def test_files_of_simulations_hold_rods_as_before() -> None:
 # --- files and the command line ---
 
 
+@pytest.mark.slow
 def test_the_example_file(capsys: pytest.CaptureFixture[str]) -> None:
     path = ROOT / "floquetrod/examples/tubing.toml"
     rod = fr.Rod.from_toml(path)

@@ -100,6 +100,7 @@ def test_modes_longer_than_m0_are_driven_in_opposite_phase_and_at_m0_not_at_all(
     assert alphas[1] == pytest.approx(-(alphas[7] / 48.0) * 12.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rod", [BUILDS, ROD.replace(curvature=-0.02), BUILDS.replace(damping_rate=0.5)])
 @pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
 def test_ranges_agree_with_scans(rod: fr.Rod, quantity: str) -> None:

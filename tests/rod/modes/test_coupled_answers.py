@@ -470,6 +470,7 @@ def test_an_undecided_start_is_not_called_unstable(monkeypatch: pytest.MonkeyPat
         assert ROD.critical("mean", amplitude=AMPLITUDE, frequency=FREQUENCY) == 0.0
 
 
+@pytest.mark.slow
 def test_without_vibration_the_stiffness_decides(rng: np.random.Generator) -> None:
     rod = ROD.replace(damping_rate=float(rng.uniform(0.0, 0.5)))
     mean = rng.uniform(-0.5, 3.0, 7) * UNIT
@@ -509,6 +510,7 @@ def test_damping_stabilises_from_where_it_is_said_to(kind: str) -> None:
     assert at == pytest.approx(0.2, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_no_damping_is_needed_where_nothing_grows() -> None:
     quiet = ROD.stability(load(amplitude=0.0))
     assert quiet.status == "stable"

@@ -131,6 +131,7 @@ def drawn(rng: np.random.Generator, unit: bool = False) -> tuple[fr.Rod, fr.Axia
     return rod, force, 0.0 if rng.uniform() < 0.7 else 10.0 ** rng.uniform(-3.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 @pytest.mark.parametrize("seed", range(depth(20, 1)))
 def test_growth_is_that_of_the_fastest_of_all_modes_named(seed: int) -> None:

@@ -92,6 +92,7 @@ def compared(seed: int) -> str:
     return "agree"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth_of_draws(6, 2)))
 def test_verdicts_agree_with_elements(seed: int) -> None:
     compared(seed)

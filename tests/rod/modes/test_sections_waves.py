@@ -256,6 +256,7 @@ def test_symmetric_lines_driven_at_both_ends_have_no_resonance_of_odd_motion() -
 # --- resonances ---
 
 
+@pytest.mark.slow
 def test_resonances_of_two_sections_solve_their_equation(rng: np.random.Generator) -> None:
     for _ in range(depth(100, 15)):
         line = drawn_line(rng, 2)
@@ -341,6 +342,7 @@ def test_gaps_are_where_verdicts_are_refused(far_end: str, rng: np.random.Genera
             assert not {gap.low, gap.high}.isdisjoint(bounds) or gap.low < gap.resonance.frequency < gap.high
 
 
+@pytest.mark.slow
 def test_a_force_made_large_below_a_thin_section_is_refused_between_resonances() -> None:
     # A thin wire above a heavy tool: where the tool resonates by itself, the wire passes on next to nothing.
     line = AxialLine((LinePiece(30.0, 5000.0, 1.0), LinePiece(20.0, 5000.0, 300.0)))

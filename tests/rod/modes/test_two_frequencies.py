@@ -173,6 +173,7 @@ def test_searches_agree_with_verdicts(tuned: Tuned) -> None:
         assert chart.stable[row, column] == (rod.verdicts(TWO, mean=mean, frequency=frequency) == 1)
 
 
+@pytest.mark.slow
 def test_damping_that_stabilises_does() -> None:
     rate = ROD.stability(TWO).damping_to_stabilise
     assert ROD.replace(damping_rate=1.001 * rate).stability(TWO).status == "stable"
