@@ -20,7 +20,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, real_number
-from floquetrod.cli.system import unit_of_time
+from floquetrod.cli.system import unit_of_time, unit_of_time_in_numbers
 from floquetrod.equations.system_files import SystemFamily, read_family
 
 _HELP = """\
@@ -93,8 +93,9 @@ def _chart(options: argparse.Namespace) -> Output:
         "bands": len(chart.bands) if bands else None,
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
         "unstable": bands_in_numbers(chart.bands) if bands else None,
+        **unit_of_time_in_numbers(family.with_unit),
     }
-    lines = [chart.caption, *([bands_listed(chart.bands)] if bands else []), *unit_of_time(options.system)]
+    lines = [chart.caption, *([bands_listed(chart.bands)] if bands else []), *unit_of_time(family.with_unit)]
     return output(options, lambda: "\n".join(lines), lambda: record, written=written)
 
 

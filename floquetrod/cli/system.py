@@ -11,7 +11,7 @@ from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
-from floquetrod.equations.system_files import quantity_with_unit, read_system
+from floquetrod.equations.system_files import SystemFile, read_system_file
 from floquetrod.floquet.verdict import Status
 
 _OF_A_SYSTEM = ("command", "system", "set", "method", "exit_code", "json")
@@ -29,37 +29,47 @@ def require_alone(options: argparse.Namespace) -> None:
 
 def classify(options: argparse.Namespace) -> tuple[Output, Status]:
     """Return what to print about the system of ``options.system``, and the verdict."""
-    system = _read(options)
+    system, with_unit = _read(options)
     with Waiting("deciding stability, and what damping it takes"):
         result = fr.stability(system, method=options.method or "auto")
         said = output(
             options,
-            lambda: "\n\n".join([str(result.report(damping=True)), *unit_of_time(options.system)]),
-            lambda: result.as_dict(damping=True),
+            lambda: "\n\n".join([str(result.report(damping=True)), *unit_of_time(with_unit)]),
+            lambda: result.as_dict(damping=True) | unit_of_time_in_numbers(with_unit),
         )
     return said, result.status
 
 
 def prove(options: argparse.Namespace) -> tuple[Output, Status]:
     """Return what to print about the proof of the system of ``options.system``, and what was proved."""
-    system = _read(options)
+    system, with_unit = _read(options)
     with Waiting("proving"):
         proof = cast(fr.results.Proof, fr.certify(system))  # no box
-    said = output(options, lambda: "\n".join([str(proof.report()), *unit_of_time(options.system)]), proof.as_dict)
+    said = output(
+        options,
+        lambda: "\n".join([str(proof.report()), *unit_of_time(with_unit)]),
+        lambda: proof.as_dict() | unit_of_time_in_numbers(with_unit),
+    )
     return said, proof.status
 
 
-def unit_of_time(file: str) -> list[str]:
-    """Return a line on the unit of time where a time or a frequency in a system file has a unit, else none."""
-    given = quantity_with_unit(file)
-    return [f"Time is in seconds, because {given} has a unit: the matrices must be in seconds, too."] if given else []
+def unit_of_time(with_unit: str) -> list[str]:
+    """Return a line on the unit of time where a time or a frequency in a system file is ``with_unit``, else none."""
+    if not with_unit:
+        return []
+    return [f"Time is in seconds, because {with_unit} has a unit: the matrices must be in seconds, too."]
 
 
-def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem | fr.DelaySystem:
-    """Return the system of ``options.system``."""
+def unit_of_time_in_numbers(with_unit: str) -> dict[str, str | None]:
+    """Return the unit of time for JSON: "s" where a time or a frequency has a unit, else None, the file's own."""
+    return {"time_unit": "s" if with_unit else None}
+
+
+def _read(options: argparse.Namespace) -> SystemFile:
+    """Return the system of ``options.system``, and what there has a unit."""
     require_file("--system", Path(options.system), "a TOML or npz file")
     try:
-        return read_system(options.system, _values(options.set))
+        return read_system_file(options.system, _values(options.set))
     except ValueError as error:
         raise ValueError(f"--system: {error}") from None
 

@@ -45,15 +45,34 @@ _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, in npz fi
 
 
 class SystemFamily(NamedTuple):
-    """A family of systems in a file: the function of two parameters, and the ends of their ranges."""
+    """A family of systems in a file: the function of two parameters, and the ends of their ranges.
+
+    ``with_unit`` as of `SystemFile`.
+    """
 
     system: Callable[..., HillSystem | PeriodicSystem | DelaySystem]
     over: dict[str, tuple[float, float]]
+    with_unit: str
+
+
+class SystemFile(NamedTuple):
+    """A system in a file, and a time or a frequency there that has a unit, as in 'frequency = "24Hz"', "" without any.
+
+    With a unit time is in seconds.
+    """
+
+    system: HillSystem | PeriodicSystem | DelaySystem
+    with_unit: str
 
 
 def read_system(
     path: str | Path, values: Mapping[str, Any] = MappingProxyType({})
 ) -> HillSystem | PeriodicSystem | DelaySystem:
+    """Read one system from a file, as `read_system_file` does, which says whether time is in seconds."""
+    return read_system_file(path, values).system
+
+
+def read_system_file(path: str | Path, values: Mapping[str, Any] = MappingProxyType({})) -> SystemFile:
     """Read one system from a TOML file, under [system], or from an npz file of arrays.
 
     Keys, or names of arrays, are the parameters of `HillSystem` (with ``stiffness``) or of `PeriodicSystem` (with
@@ -93,16 +112,10 @@ def read_system(
     except (OSError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, zipfile.BadZipFile) as error:
         raise ValueError(f"system file {path} cannot be read: {error}") from None
     try:
-        return _system(_at_values(table, values))
+        return SystemFile(_system(_at_values(table, values)), _with_unit(table))
     except (TypeError, ValueError) as error:
         remedy = "" if "parameters" in table or not _holds_formula(table) else f"; {_FORMULAS}"
         raise ValueError(f"system file {path}: {error}{remedy}") from None
-
-
-def quantity_with_unit(path: str | Path) -> str:
-    """Return a time or a frequency of a system file that has a unit, such as 'frequency = "24Hz"'; "" without any."""
-    path = validate.path("path", path)
-    return _with_unit(_toml(path)) if path.suffix == ".toml" else ""
 
 
 def _with_unit(value: Any) -> str:
@@ -118,7 +131,7 @@ def _with_unit(value: Any) -> str:
 
 
 def read_family(path: str | Path) -> SystemFamily:
-    """Read a family of systems from a TOML file: [system] as of `read_system`, and [parameters].
+    """Read a family of systems from a TOML file: [system] as of `read_system_file`, and [parameters].
 
     Two parameters have a range, a text such as "1.5:4.5", the first one along the columns of a chart; others have a
     number.  In place of any number of the system there may be a formula of them, a text such as "0.5*epsilon**2": with
@@ -329,7 +342,7 @@ def _family(text: Mapping[str, Any], name: str) -> SystemFamily:
         return _system(_with_values(table, constants | point))
 
     system.__name__ = name
-    return SystemFamily(system, over)
+    return SystemFamily(system, over, _with_unit(text))
 
 
 def _constant(value: Any, key: str) -> float:

@@ -100,6 +100,44 @@ def test_a_unit_of_the_frequency_makes_time_seconds(tmp_path: Path, capsys: pyte
     assert "Time is" not in said(capsys, written(tmp_path, COUPLED + "frequency = 30.16"))
 
 
+@pytest.mark.parametrize(("given", "unit"), [('frequency = "4.8 GHz"', "s"), ("frequency = 30.16", None)])
+def test_json_names_the_unit_of_time(
+    given: str, unit: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path, COUPLED + given)
+    family = f'[system]\nstiffness = [["a"]]\ncosines = [[["b"]]]\n{given}\n[parameters]\na = "1:2"\nb = "0:1"\n'
+    drawn = ["--points", "2x2", "--pixels", "--out", str(tmp_path / "chart.npz")]
+    for command in (
+        ["check", "--system", path],
+        ["certify", "--system", path],
+        ["chart", "--system", written(tmp_path, family, "family.toml"), *drawn],
+    ):
+        assert cli.main([*command, "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["time_unit"] == unit
+
+
+def test_a_system_file_is_read_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The line on the unit of time is about the file that was answered, whatever becomes of it meanwhile."""
+    family = '[system]\nstiffness = [["a"]]\ncosines = [[["b"]]]\nperiod = "2s"\n[parameters]\na = "1:2"\nb = "0:1"\n'
+    drawn = ["--points", "2x2", "--pixels", "--out", str(tmp_path / "chart.npz")]
+    for command, text, answer, more in (
+        ("check", COUPLED + 'period = "2s"', "stability", []),
+        ("certify", COUPLED + 'period = "2s"', "certify", []),
+        ("chart", family, "chart", drawn),
+    ):
+        path, decide = written(tmp_path, text), getattr(fr, answer)
+
+        def decide_without_file(*given: Any, path: str = path, decide: Any = decide, **named: Any) -> Any:
+            Path(path).unlink()
+            return decide(*given, **named)
+
+        monkeypatch.setattr(fr, answer, decide_without_file)
+        assert cli.main([command, "--system", path, *more]) == 0
+        assert 'Time is in seconds, because period = "2s" has a unit' in capsys.readouterr().out
+
+
 def test_a_damped_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     damped = COUPLED + "frequency = 1.0\ndamping = [[0.1, 0], [0, 0.4]]\n"
     text = said(capsys, written(tmp_path, damped), "--exit-code", "--method", "monodromy")

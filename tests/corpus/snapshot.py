@@ -27,7 +27,7 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod.cli.main import _parser
-from floquetrod.cli.system import read_system
+from floquetrod.equations.system_files import read_system
 
 SNAPSHOT = Path(__file__).parent / "snapshot.json"
 ROOT = Path(__file__).parents[2]
