@@ -36,11 +36,14 @@ _OF_A_PIECE = ("duration", "stiffness", "stiffness_start", "mean", "matrix_start
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _MATRICES = (*_OF_A_PIECE[1:], "mass", "damping", "gyroscopic", "delayed", "delayed_cosines", "delayed_sines")
 _COMPLEX = ("mean", "matrix_start", "slope", "cosines", "sines")
+_TABLED = {*_MATRICES, "matrix"} - {"delayed"}  # keys of matrices in TOML files
+_IMAGINARY_UNIT = re.compile(r"(?<![^\W\d])[ijI]\b")
 _REAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBER = re.compile(rf"(?P<real>[+-]?{_REAL}(?![\d.eE]*[ij]))?(?:(?P<imaginary>[+-]?(?:{_REAL})?)[ij])?")
 _SMALL = 1 << 20  # entries of an array that is read unchecked (a choice)
 _FORMULAS = "formulas need a table [parameters], which may be empty"
 _QUANTITIES = ("period", "frequency", "delay", "duration")  # keys whose texts may have a unit
+_DEEPEST = 16  # nested lists and tables; a piece of a delayed term has nine (a choice)
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, in npz files unpacked (a choice)
 
 
@@ -112,9 +115,11 @@ def read_system_file(path: str | Path, values: Mapping[str, Any] = MappingProxyT
     except (OSError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, zipfile.BadZipFile) as error:
         raise ValueError(f"system file {path} cannot be read: {error}") from None
     try:
-        return SystemFile(_system(_at_values(table, values)), _with_unit(table))
+        numbers = _at_values(table, values)
+        return SystemFile(_system(_with_numbers(numbers, _takes_complex(numbers))), _with_unit(table))
     except (TypeError, ValueError) as error:
-        remedy = "" if "parameters" in table or not _holds_formula(table) else f"; {_FORMULAS}"
+        is_formula = "parameters" not in table and _holds_formula(table, _takes_complex(table))
+        remedy = f"; {_FORMULAS}" if is_formula else ""
         raise ValueError(f"system file {path}: {error}{remedy}") from None
 
 
@@ -148,20 +153,22 @@ def read_family(path: str | Path) -> SystemFamily:
         raise ValueError(f"system file {path} must end in .toml: a family of systems has formulas")
     text = read_toml(path, "system file")
     try:
+        _require_shallow(text)
         return _family(text, path.stem)
     except (TypeError, ValueError) as error:
         raise ValueError(f"system file {path}: {error}") from None
 
 
-def _holds_formula(value: Any) -> bool:
-    """Return whether a text in a table is a formula, such as "2*pi", and no number."""
+def _holds_formula(value: Any, imaginary: bool) -> bool:
+    """Return whether a text in a table is a formula, such as "2*pi", and no number; ``imaginary`` as of `Formula`."""
     if isinstance(value, dict | list):
-        return any(map(_holds_formula, value.values() if isinstance(value, dict) else value))
-    if not isinstance(value, str):
+        entries = value.values() if isinstance(value, dict) else value
+        return any(_holds_formula(entry, imaginary) for entry in entries)
+    if not isinstance(value, str) or _parts(value) is not None:
         return False
     try:
-        Formula.read(value)
-        return not value.strip().replace(".", "").isdigit()
+        Formula.read(value, imaginary=imaginary)
+        return True
     except ValueError:
         return False
 
@@ -169,6 +176,7 @@ def _holds_formula(value: Any) -> bool:
 def _toml(path: Path) -> Mapping[str, Any]:
     """Return the table [system] of a TOML file, with [parameters] both tables."""
     text = tomllib.loads(path.read_text(encoding="utf-8"))
+    _require_shallow(text)
     table = text.pop("system", None)
     if not isinstance(table, dict):
         raise ValueError("it has no table [system]")
@@ -177,6 +185,15 @@ def _toml(path: Path) -> Mapping[str, Any]:
     if text:
         raise ValueError(f"it holds {', '.join(map(repr, text))} outside of [system]")
     return table
+
+
+def _require_shallow(value: Any, levels: int = _DEEPEST) -> None:
+    """Raise ValueError for lists in tables that are nested more deeply than any system has them."""
+    if isinstance(value, dict | list):
+        if not levels:
+            raise ValueError(f"it has lists or tables nested more than {_DEEPEST} deep")
+        for entry in value.values() if isinstance(value, dict) else value:
+            _require_shallow(entry, levels - 1)
 
 
 def _npz(path: Path) -> Mapping[str, Any]:
@@ -229,29 +246,61 @@ def _by_piece(table: dict[str, Any]) -> Mapping[str, Any]:
     }
 
 
-def _with_complex(table: Any, key: str = "") -> Any:
-    """Return a table with texts such as "-0.1+2i" in matrices of first order as complex numbers."""
-    if isinstance(table, dict):
-        return {name: _with_complex(value, name) for name, value in table.items()}
-    if isinstance(table, list) and key == "pieces":
-        return [_with_complex(piece) for piece in table]
-    if key not in _COMPLEX:
-        return table
-    if isinstance(table, list):
-        return [_with_complex(entry, key) for entry in table]
-    return _complex(table, key) if isinstance(table, str) else table
+def _takes_complex(table: Mapping[str, Any]) -> bool:
+    """Return whether the entries of a system may be complex: in first order without delays."""
+    pieces = table.get("pieces")
+    tables = [table, *(pieces if isinstance(pieces, list) else [])]
+    keys = {key for part in tables if isinstance(part, Mapping) for key in part}
+    return "delayed" not in keys and not keys.isdisjoint(("mean", _STARTS["mean"]))
 
 
-def _complex(text: str, key: str) -> complex:
-    """Return the complex number of a text; ValueError names the key."""
-    compact = re.sub(r"\s", "", text)
-    parts = _NUMBER.fullmatch(compact)
-    if parts is None or not compact:
-        raise ValueError(f'{key} must hold numbers, or texts such as "-0.1+2i" for complex ones, got {text!r}')
+def _with_numbers(value: Any, is_complex: bool, name: str = "", key: str = "") -> Any:
+    """Return a table, or a value of one, with texts such as "-0.1+2i" in matrices as complex numbers.
+
+    ValueError names the entry that is another text, or one of a system whose numbers are real.
+    """
+    if isinstance(value, dict):
+        dot = f"{name}." if name else ""
+        return {each: _with_numbers(entry, is_complex, f"{dot}{each}", each) for each, entry in value.items()}
+    if isinstance(value, list):
+        return [_with_numbers(entry, is_complex, f"{name}[{i}]", key) for i, entry in enumerate(value)]
+    if not isinstance(value, str) or key not in _TABLED:
+        return value
+    if is_complex and key in _COMPLEX:
+        return _complex(value, name)
+    raise ValueError(
+        f"{name} must be a real number, got {validate.short(value)}{_imaginary_hint(value, is_complex=False)}"
+    )
+
+
+def _complex(text: str, name: str) -> complex:
+    """Return the complex number of a text; ValueError names the entry."""
+    parts = _parts(text)
+    if parts is None:
+        hint = _imaginary_hint(text, is_complex=True)
+        raise ValueError(
+            f'{name} must be a number, or a text such as "-0.1+2i" for a complex one, got {validate.short(text)}{hint}'
+        )
     imaginary = parts["imaginary"]
     if imaginary is None:
         return complex(float(parts["real"]))
     return complex(float(parts["real"] or 0.0), float(f"{imaginary}1" if imaginary in ("", "+", "-") else imaginary))
+
+
+def _parts(text: str) -> re.Match[str] | None:
+    """Return the real and the imaginary part of the number that a text is, None for any other text."""
+    compact = re.sub(r"\s", "", text)
+    return _NUMBER.fullmatch(compact) if compact else None
+
+
+def _imaginary_hint(text: str, *, is_complex: bool) -> str:
+    """Return how to write the imaginary unit in place of that of a text, or where entries may be complex."""
+    unit = _IMAGINARY_UNIT.search(text)
+    if unit is None:
+        return ""
+    if not is_complex:
+        return "; complex entries need mean, in first order without delays"
+    return "; the imaginary unit is written i" if unit[0] == "I" else ""
 
 
 def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
@@ -271,7 +320,6 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySyst
     if "delayed" in table:
         given["delayed"] = [_delayed(f"delayed[{i}]", term) for i, term in enumerate(_tables(table, "delayed"))]
         return DelaySystem.first_order(**given) if first_order else DelaySystem(**given)
-    given = _with_complex(given) if first_order else given
     system = PeriodicSystem(**given) if first_order else HillSystem(**given)
     matrices.require_one(system)
     return system
@@ -358,19 +406,21 @@ def _constant(value: Any, key: str) -> float:
     return validate.finite(key, number)
 
 
-def _with_formulas(table: Any, parameters: set[str], named: set[str], key: str = "") -> Any:
+def _with_formulas(table: Any, parameters: set[str], named: set[str], name: str = "", key: str = "") -> Any:
     """Return a table with formulas in place of texts, and enter the parameters that these name."""
     if isinstance(table, dict):
-        return {name: _with_formulas(value, parameters, named, name) for name, value in table.items()}
+        dot = f"{name}." if name else ""
+        return {each: _with_formulas(value, parameters, named, f"{dot}{each}", each) for each, value in table.items()}
     if isinstance(table, list):
-        return [_with_formulas(entry, parameters, named, key) for entry in table]
+        return [_with_formulas(entry, parameters, named, f"{name}[{i}]", key) for i, entry in enumerate(table)]
     if not isinstance(table, str) or (key in _QUANTITIES and _has_unit(table)):
         return table
     try:
         formula = Formula.read(table, imaginary=key in _COMPLEX)
         formula.require(parameters)
     except ValueError as error:
-        raise ValueError(f"{key} must hold numbers or formulas such as '0.5*epsilon', got {error}") from None
+        hint = _imaginary_hint(table, is_complex=key in _COMPLEX)
+        raise ValueError(f"{name} must be a number or a formula such as '0.5*epsilon', got {error}{hint}") from None
     named.update(formula.names)
     return formula
 
@@ -419,8 +469,6 @@ def _delayed(name: str, table: Mapping[str, Any], *, pieces: bool = False) -> tu
 def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
     """Return the system of a table with tables of pieces."""
     listed = _tables(table, "pieces")
-    if "delayed" not in table and any(key in piece for piece in listed for key in ("mean", _STARTS["mean"])):
-        listed = _with_complex(listed, "pieces")
     misplaced = [key for key in ("stiffness", "mean", *_SERIES) if key in table]
     if misplaced:
         raise ValueError(f"key {misplaced[0]!r} belongs to the pieces; their durations make the period")

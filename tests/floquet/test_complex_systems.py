@@ -369,7 +369,7 @@ slope = [["0.1i", 0], [0, 0]]
 def test_texts_that_are_no_numbers(text: str, tmp_path: Path) -> None:
     toml = tmp_path / "system.toml"
     toml.write_text(f'[system]\nmean = [["{text}"]]\nperiod = 1.0\n', encoding="utf-8")
-    with pytest.raises(ValueError, match=r"mean must hold numbers, or texts such as"):
+    with pytest.raises(ValueError, match=r"mean\[0\]\[0\] must be a number, or a text such as"):
         read_system(toml)
 
 
