@@ -176,18 +176,18 @@ class Lobes(Reported, NoTruthValue, ByContent):
         heads = ["lobe", "mode / Hz", "parts", "speeds / rpm", "least depth / mm", "error / mm", "at / rpm"]
         heads.append("chatter / Hz")
         is_shown = [True, len(numbers) > 1, len(joined) < len(self.lobes), *[True] * 5]
-        rest = (
-            f"Edges of lobes lie up to {_rpm(edge_width(self.speeds)):.2g} rpm beyond these speeds.  "
-            f"Lobes narrower than {_rpm(self._width):.4g} rpm, the distance of columns of the chart, may be missed.  "
-            f"The relative error of a critical depth at a given speed is below {ACCURACY:.0e}."
-        )
+        rest = [
+            f"Edges of lobes lie up to {_rpm(edge_width(self.speeds)):.2g} rpm beyond these speeds.",
+            f"Lobes narrower than {_rpm(self._width):.4g} rpm, the distance of columns of the chart, may be missed.",
+            f"The relative error of a critical depth at a given speed is below {ACCURACY:.0e}.",
+        ]
         if len(joined) < len(self.lobes):
             between = "Between parts of a lobe another one begins at less depth, or none in the chart"
-            rest = f"{between}; .lobes has each part.  {rest}"
+            rest.insert(0, f"{between}; .lobes has each part.")
         columns = [(head, "<") for head in itertools.compress(heads, is_shown)]
         shown = [tuple(itertools.compress(row, is_shown)) for row in rows]
         headline = repr(self.milling).strip("<>")
-        return Report(headline, [("deepest", self._deepest())], Table(columns, shown, rest))
+        return Report(headline, [("deepest", self._deepest())], Table(columns, shown, "\n".join(rest)))
 
     def _joined(self) -> dict[tuple[str, int], list[Lobe]]:
         """Return the parts of each lobe, by its name and the mode whose frequency is nearest where it is lowest."""

@@ -279,6 +279,7 @@ def test_the_table_of_lobes_has_each_once_and_no_neighbours_are_one_lobe(seed: i
     )
     assert [row.get("parts", "1") for row in rows] == [str(len(each)) for each in parts.values()]
     assert ("parts" in heads) == (".lobes has each part" in table.rest) == (len(rows) < len(lobes.lobes))
+    assert all(len(line) < 120 for line in table.rest.splitlines())
     assert ("mode / Hz" in heads) == (natural.size > 1)
     for one, other in pairwise(lobes.lobes):
         assert one.speeds[1] < other.speeds[0]
