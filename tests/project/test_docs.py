@@ -159,7 +159,6 @@ LONG = {
 def quick(pages: list[str]) -> list[Any]:
     """Return pages as parameters, the long ones marked."""
     marks = {page: [pytest.mark.slow] * (page in LONG) for page in pages}
-    marks.get("how_to/ensembles.md", []).append(pytest.mark.filterwarnings("ignore::floquetrod.OutcomeWarning"))
     return [pytest.param(page, marks=marks[page]) for page in pages]
 
 

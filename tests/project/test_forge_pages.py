@@ -56,6 +56,13 @@ def test_nothing_but_markdown_is_left_and_links_and_pictures_are_there() -> None
     assert sum(path.stat().st_size for path in PAGES.rglob("*")) < 3_000_000
 
 
+@pytest.mark.parametrize("name", FORGE.sources())
+def test_no_output_has_the_path_of_a_temporary_file(name: str) -> None:
+    """A warning on stderr has the path of a cell on the site, so a page prints the warnings that it shows."""
+    for output in FORGE.kept_outputs(page(name)).values():
+        assert not re.search(r"/tmp/|/var/folders/|ipykernel|^```text\n\w+Warning: ", output, re.MULTILINE), output
+
+
 def test_the_front_door_leads_to_pages_that_a_forge_shows() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#\s]+\.(?:md|rst))\)", text):
