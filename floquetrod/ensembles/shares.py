@@ -78,7 +78,7 @@ def shares_along(runs: Any, name: str, confidence: Any) -> list[ShareAlong]:
 
 
 def overall(runs: Any, name: str, confidence: float) -> str:
-    """Return the share of all runs with a result in words, with its interval where runs are drawn."""
+    """Return the share of all runs with a result in words, with its interval unbroken where runs are drawn."""
     dims, done = runs.variables["status"].dims, runs["status"] == DONE
     words = f"{name}: {int((done & (runs[name] == 1)).sum()):,} of {int(done.sum()):,} runs"
     if not any(dim in RANDOM for dim in dims) or not done.any():
@@ -88,7 +88,7 @@ def overall(runs: Any, name: str, confidence: float) -> str:
     chosen = [LOAD[name].words if name in LOAD else name.replace("_", " ") for name in chosen_quantities(runs)]
     *most, last = chosen or [""]
     averaged = f" on average over {' and '.join(filter(None, [', '.join(most), last]))}" if chosen else ""
-    interval = f"{100.0 * confidence:g} % interval {lower:.3f} to {upper:.3f}"
+    interval = f"{100.0 * confidence:g} % interval {lower:.3f} to {upper:.3f}".replace(" ", "\N{NO-BREAK SPACE}")
     return f"{words}; probability {share:.3f}{averaged}, {interval}"
 
 

@@ -54,7 +54,7 @@ def test_a_panel_for_each_quantity_with_the_probability_that_is_computed(seed: i
     whole = probability(runs, over=["kick", "sample"], confidence=0.9)
     share, lower, upper = (f"{float(whole[name]):.3f}" for name in ("probability", "lower", "upper"))
     done = runs["status"] == 1
-    assert above.get_title() == (
+    assert above.get_title().replace("\N{NO-BREAK SPACE}", " ") == (
         f"buckled: {(runs['buckled'] & done).sum()} of {done.sum()} runs; probability {share} on average over kick, "
         f"90 % interval {lower} to {upper}"
     )
@@ -139,7 +139,14 @@ def test_two_chosen_quantities_with_drawn_runs_have_a_plane_and_panels() -> None
     assert plane.collections[0].get_array().reshape(2, 3).tolist() == runs["buckled"].mean(axis=2).T.tolist()
     assert [ax.get_xlabel() for ax in panels] == ["mean force", "amplitude"]
     share = runs["buckled"].mean()
-    assert f"; probability {share:.3f} on average over mean force and amplitude, 95 % interval" in plane.get_title()
+    title = plane.get_title().replace("\N{NO-BREAK SPACE}", " ")
+    assert f"; probability {share:.3f} on average over mean force and amplitude, 95 % interval" in title
+    for dpi in (60, 80, 100, 200):
+        plane.figure.set_dpi(dpi)
+        plane.figure.canvas.draw()
+        first, interval = plane.title._get_wrapped_text().splitlines()
+        assert first.endswith("amplitude,")
+        assert interval.startswith("95\N{NO-BREAK SPACE}%\N{NO-BREAK SPACE}interval")
     pyplot.close("all")
 
 
