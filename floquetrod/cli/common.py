@@ -475,6 +475,7 @@ _LISTED_BANDS = 12  # of a chart that are listed in the terminal, the fastest gr
 def bands_listed(bands: fr.results.Bands) -> str:
     """Return the caption of bands, and a table of the fastest growing ones with their ranges along both axes."""
     from floquetrod._util.result_report import Table
+    from floquetrod.plane.bands import beginning
 
     if not len(bands):
         return bands.caption
@@ -495,7 +496,7 @@ def bands_listed(bands: fr.results.Bands) -> str:
                 f"{band.place[0]:.5g}, {band.place[1]:.5g}",
             ),
             *(
-                (f"  merged: {t.name}", "", "", "", f"begins at {t.place[0]:.5g}, {t.place[1]:.5g}")
+                (f"  merged: {t.name}", "", "", "", f"begins at {', '.join(map(_span, beginning(band, t)))}")
                 for t in band.merged
             ),
         )
@@ -511,6 +512,11 @@ def _end(value: float, axis: Any) -> str:
     return f"{0.0 if abs(value) < _ROUNDING * width else value:.5g}"
 
 
+def _span(ends: tuple[float, float]) -> str:
+    """Return a range, or a number where it is one."""
+    return " to ".join(dict.fromkeys(f"{end:.5g}" for end in ends))
+
+
 def _rate(unit: str) -> str:
     return unit if unit.startswith("per ") else f"/ ({unit})"
 
@@ -519,6 +525,7 @@ def bands_in_numbers(bands: fr.results.Bands) -> list[dict[str, Any]]:
     """Return bands for JSON: their resonances, their ranges along both axes, and where they grow fastest."""
     from floquetrod._util.interchange import with_unit
     from floquetrod._util.result_report import number
+    from floquetrod.plane.bands import beginning
 
     x, y = (with_unit(axis.name, axis.unit) for axis in (bands.x, bands.y))
     growth = f"largest_growth_{bands.growth_unit.replace('1/s', 'per s').replace(' ', '_')}"
@@ -539,6 +546,7 @@ def bands_in_numbers(bands: fr.results.Bands) -> list[dict[str, Any]]:
                     "partner": tongue.partner,
                     "tongue": tongue.tongue,
                     "begins_at": list(tongue.place),
+                    "begins_along": [list(ends) for ends in beginning(band, tongue)],
                 }
                 for tongue in band.merged
             ],

@@ -31,7 +31,7 @@ class MergedTongue(NamedTuple):
     tongue : int or None
         Order of the resonance; None where it is not known.
     place : tuple of float
-        (x, y) where it begins.
+        (x, y) where it begins: its tip or, where the plane ends before it, the middle of its side on that end.
     """
 
     mode: int | None
@@ -43,6 +43,23 @@ class MergedTongue(NamedTuple):
     def name(self) -> str:
         """Return its name, in the form of `Band.name`."""
         return _name(self.mode, self.partner, self.tongue)
+
+
+def beginning(band: Band, tongue: MergedTongue) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the ranges of x and y over which a tongue begins: of its tip, or of its side where the plane ends."""
+    ranges = [(value, value) for value in tongue.place]
+    for along, across in ((0, 1), (1, 0)):
+        line, level = (band.x, band.y)[along], (band.x, band.y)[across]
+        # The sides of the polygon that lie at the level of the place, and of these the ones that are one with it.
+        flat = (level == tongue.place[across]) & (np.roll(level, -1) == tongue.place[across])
+        sides = np.sort(np.column_stack([line, np.roll(line, -1)])[flat], axis=1)
+        low = high = tongue.place[along]
+        while (touching := (sides[:, 0] <= high) & (sides[:, 1] >= low)).any():
+            low, high = min(low, float(sides[touching, 0].min())), max(high, float(sides[touching, 1].max()))
+            sides = sides[~touching]
+        if low < tongue.place[along] < high:
+            ranges[along] = low, high
+    return ranges[0], ranges[1]
 
 
 def _name(mode: int | None, partner: int | None, tongue: int | None) -> str:

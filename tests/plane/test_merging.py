@@ -14,6 +14,7 @@ import floquetrod as fr
 from floquetrod._util.arrays import Floats
 from floquetrod.cli.common import bands_in_numbers, bands_listed
 from floquetrod.plane import Axis, Family, Verdicts, charted
+from floquetrod.plane.bands import beginning
 from floquetrod.plane.family import Names
 from floquetrod.plane.merging import merging_tongues
 from floquetrod.plane.polygons import contains, with_holes_joined
@@ -99,6 +100,36 @@ def test_merged_tongues_are_named_listed_kept_and_labelled(tmp_path: Path) -> No
     assert len(drawn) == 4
     assert "mode·tongue: 4\N{MINUS SIGN}7·1 is modes 4 - 7" in axes.get_legend().get_title().get_text()
     pyplot.close(axes.figure)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_tongue_that_the_chart_cuts_off_begins_along_the_end_of_the_chart(seed: int) -> None:
+    ring, tips = comb(np.random.default_rng(seed), 4)
+    least = float(tips[:, 1].mean())  # tips of some teeth lie below
+    x, y = (Axis(name, "", "", np.linspace(low, 1.0, 25)) for name, low in (("across", 0.0), ("up", least)))
+    bands = charted(Teeth(ring, tips), x, y).bands
+    tongues = [(band, tongue) for band in bands for tongue in band.merged]
+    rows = [(tongue["name"], *tongue["begins_along"]) for band in bands_in_numbers(bands) for tongue in band["merged"]]
+    cut = 0
+    for (band, tongue), (name, across, up) in zip(tongues, rows, strict=True):
+        tip = tips[(tongue.mode or 0) - 1]
+        assert (name, across, up) == (tongue.name, *map(list, beginning(band, tongue)))
+        assert up[0] == up[1] == tongue.place[1]
+        if tip[1] >= least:
+            assert across == [tongue.place[0]] * 2
+            assert [across[0], up[0]] == pytest.approx(tip, abs=0.01)
+            continue
+        cut += 1
+        left, right = ring[:-1], ring[1:]
+        sides = (left[:, 1] - least) * (right[:, 1] - least) < 0.0
+        share = (least - left[sides, 1]) / (right[sides, 1] - left[sides, 1])
+        edges = left[sides, 0] + share * (right[sides, 0] - left[sides, 0])
+        assert across == pytest.approx([edges[edges < tip[0]].max(), edges[edges > tip[0]].min()], abs=1e-3)
+        assert up[0] == least
+        assert tongue.place[0] == pytest.approx(0.5 * sum(across))
+        assert f"merged: {name} " in bands_listed(bands)
+        assert f"begins at {across[0]:.5g} to {across[1]:.5g}, {least:.5g}" in bands_listed(bands)
+    assert cut
 
 
 def pendulums(omega: float, A: float) -> fr.HillSystem:
