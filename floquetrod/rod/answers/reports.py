@@ -136,7 +136,7 @@ def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit]) -> list[R
     lines = [("rod", size_in_words(rod, units))]
     special = special_parameters(rod, units)
     where = f" in {section_in_words(rod, rod.weakest_at, units)}" if rod.varies else ""
-    lines.append(("", f"critical force {critical}{where}, critical mode {rod.critical_mode:.3g}"))
+    lines.append(("", f"critical force {critical} (of a long rod){where}, critical mode {rod.critical_mode:.3g}"))
     if special and rod.varies:
         lines.append(("", special))
     elif special:
