@@ -108,6 +108,8 @@ def ensemble(
         Once, when the store cannot be written: the results are returned all the same, and the same call makes the
         missing runs later.  Frames are returned as far as 4 GiB of memory hold all of them, else the frames in the
         store.  Also where the file system has no locks.
+    RuntimeWarning
+        Once, at the end, when processes of ``workers`` died and were replaced; it is never raised as an error.
 
     Notes
     -----
@@ -169,11 +171,20 @@ def ensemble(
     finally:
         if runner is not None:
             runner.close()
+    if runner is not None and runner.replaced:
+        with suppress(RuntimeWarning):  # where warnings are errors this one would cost the results
+            warnings.warn(_replaced_in_words(runner.replaced), RuntimeWarning, stacklevel=level_of_caller())
     try:
         importlib.import_module("floquetrod.ensembles.accessor")
     except ImportError:  # without xarray
         return opened.runs()
     return opened.to_xarray()
+
+
+def _replaced_in_words(count: int) -> str:
+    """Return that so many worker processes were replaced."""
+    some = "1 worker process ended and was" if count == 1 else f"{count} worker processes ended and were"
+    return f"{some} replaced, killed or out of memory; no finished run was lost"
 
 
 def _shown(

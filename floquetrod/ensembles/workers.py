@@ -42,6 +42,9 @@ _STARTS = 3  # of workers that end before they have begun, one after another, un
 class TaskRunner:
     """Takes tasks, as many at a time as there is `room` for, and hands them to an executor."""
 
+    replaced = 0
+    """How many processes have died and were replaced here."""
+
     def __init__(self, executor: Executor | None) -> None:
         """Take tasks for the caller's executor, or for threads of its own, as many as there are processors."""
         self.executor = ThreadPoolExecutor(cores()) if executor is None else executor
@@ -187,6 +190,7 @@ class OwnProcesses(TaskRunner):
             )
         self._pools[place].executor.shutdown(wait=False)
         self._pools[place] = _Pool.started(self._alive)
+        self.replaced += 1
 
 
 _CONTEXT = multiprocessing.get_context("spawn")  # a fork would copy threads' locks in whatever state they are

@@ -19,6 +19,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod._util import waiting
+from floquetrod.ensembles import workers
 from floquetrod.ensembles.runs import Runs
 from floquetrod.ensembles.study import _INTEGERS
 from floquetrod.ensembles.varied_axes import VARIED_KINDS, names_of
@@ -214,9 +215,9 @@ def test_over_is_two_quantities_that_vary(over: str, tmp_path: Path, capsys: pyt
 
 
 @pytest.mark.filterwarnings("default::floquetrod.ResolutionWarning")
-@pytest.mark.parametrize("workers", [[], pytest.param(["--workers", "2"], marks=pytest.mark.slow)])
+@pytest.mark.parametrize("processes", [[], pytest.param(["--workers", "2"], marks=pytest.mark.slow)])
 def test_too_few_segments_are_a_note_and_one_warning(
-    workers: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    processes: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     load = 'mean = "3Fcr"\namplitude = "0N"\nfrequency = "100rad/s"'
     study = written(
@@ -226,7 +227,7 @@ def test_too_few_segments_are_a_note_and_one_warning(
         start='random = "1mm/s"',
         over="seed = [1, 2, 3]",
     )
-    line = ["ensemble", study, "--store", str(tmp_path / "runs.npz"), *workers]
+    line = ["ensemble", study, "--store", str(tmp_path / "runs.npz"), *processes]
     assert cli.main(line) == 0
     first = capsys.readouterr()
     note = re.search(r"^note      runs are too coarse: (37 segments resolve modes up to 6, .*)$", first.out, re.M)
@@ -238,6 +239,30 @@ def test_too_few_segments_are_a_note_and_one_warning(
     again = capsys.readouterr()
     assert note[0] in again.out
     assert "rates will be wrong" not in again.err
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default::RuntimeWarning")
+def test_workers_that_were_replaced_are_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started, pools = workers._Pool.started, []
+
+    def killed(alive: Any) -> Any:
+        pools.append(started(alive))
+        if len(pools) <= 2:
+            for process in pools[-1].executor._processes.values():
+                process.kill()
+        return pools[-1]
+
+    monkeypatch.setattr(workers._Pool, "started", killed)
+    assert cli.main(["ensemble", written(tmp_path), "--workers", "2"]) == 0
+    said = capsys.readouterr()
+    assert "6 of 6 runs done, 0 failed" in said.out
+    line = (
+        "floquetrod: warning: 2 worker processes ended and were replaced, killed or out of memory; no finished run was"
+    )
+    assert said.err.count(line) == 1
 
 
 def test_without_samples_there_are_no_probabilities(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
