@@ -41,13 +41,13 @@ def _reproduce(options: argparse.Namespace) -> Output:
             raise ValueError(f"--simulations is for the whole study, got it beside --only {options.only}; leave it out")
         paths = draw_one(options.out, options.only, detail=detail, progress=_progress())
         names = [str(path) for path in paths]
-        return output(options, lambda: f"written: {', '.join(names)}", lambda: {"written": names})
+        return output(options, lambda: f"drawn: {options.only}", dict, written=names)
     result = reproduce(options.out, detail=detail, simulations=options.simulations, progress=_progress())
     status = 1 if result.lost else 0
     written = [str(path) for path in result.written]
-    record = {"written": written, "claims": {claim.id: verdict(claim) for claim in result.claims}}
+    record = {"claims": {claim.id: verdict(claim) for claim in result.claims}}
     lines = [f"{claim.id:<7} {verdict(claim):<8} {claim.computed}" for claim in result.claims]
-    return output(options, lambda: "\n".join([*lines, "", f"written: {', '.join(written)}"]), lambda: record, status)
+    return output(options, lambda: "\n".join([*lines, ""]), lambda: record, status, written)
 
 
 def _progress() -> Callable[[str, int, int], None]:

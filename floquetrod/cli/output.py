@@ -31,7 +31,7 @@ def output(
     on request.
     """
     if options.json:
-        files = {"written": list(written)} if options.parser.outputs else {}
+        files = {"written": list(written)} if written or options.parser.outputs else {}
         return Output(json.dumps({**record(), **files, "version": __version__}, indent=2, allow_nan=False), status)
     said = report()
     if isinstance(said, Report) and getattr(options, "assumptions", False):

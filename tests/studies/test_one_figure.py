@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,17 @@ def drawn(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Rows:
     assert (folder / f"figure_{name}.pdf").read_bytes().startswith(b"%PDF")
     with (folder / f"figure_{name}.csv").open(encoding="utf-8") as file:
         return list(csv.DictReader(file))
+
+
+def test_files_are_named_in_words_and_in_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("studies.__main__.draw_one", lambda folder, *_, **__: [folder / "a.png", folder / "a.csv"])
+    files = [str(tmp_path / name) for name in ("a.png", "a.csv")]
+    assert main(["--only", "3b", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"drawn: 3b\nwritten: {', '.join(files)}\n"
+    assert main(["--only", "3b", "--out", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["written"] == files
 
 
 @pytest.mark.slow
