@@ -17,12 +17,11 @@ from floquetrod._util.arrays import Floats
 from floquetrod.tables.cells import split_unit
 from floquetrod.tables.sources import source
 from floquetrod.wells.survey_columns import find_columns
-from floquetrod.wells.survey_headings import AXES
+from floquetrod.wells.survey_headings import AXES, WELL_LABELS
 from floquetrod.wells.survey_numbers import SurveyNumbers, numbers_in, units_of
 from floquetrod.wells.survey_positions import directions
 from floquetrod.wells.survey_rows import SurveyTable, cells_in, survey_table
 
-_LABELS = ("well", "wellbore", "well name", "well id", "uwi", "hole", "hole id", "bhid", "borehole", "sidetrack", "api")
 _NEAR = 1e-3  # of its length, by which a path may miss positions (a choice)
 _NEARLY_ALL = 0.5  # of the stations, which must not be lost (a choice)
 
@@ -162,7 +161,7 @@ def _require_one_well(table: SurveyTable) -> None:
     """Raise ValueError where a column names several wells."""
     headings = table.head.headings or []
     for place, heading in enumerate(headings):
-        if re.sub(r"[\W_]+", " ", heading.casefold()).strip() not in _LABELS:
+        if re.sub(r"[\W_]+", " ", heading.casefold()).strip() not in WELL_LABELS:
             continue
         named = [(row.line, row.cells[place]) for row in table.rows if place < len(row.cells) and row.cells[place]]
         for (_, before), (line, after) in itertools.pairwise(named):

@@ -16,6 +16,21 @@ KINDS = {"depth": "length", "inclination": "angle", "azimuth": "angle"}
 AXES = {"depth": "length", "north": "length", "east": "length", "down": "length"}
 """The columns of a survey by positions."""
 
+WELL_LABELS = (
+    "well",
+    "wellbore",
+    "well name",
+    "well id",
+    "uwi",
+    "hole",
+    "hole id",
+    "bhid",
+    "borehole",
+    "sidetrack",
+    "api",
+)
+"""Headings of columns that name the well."""
+
 
 def _vocabulary(text: str) -> frozenset[str]:
     return frozenset(_plain(text).split())
