@@ -63,6 +63,7 @@ UNITS: dict[str, dict[str, float]] = {
         "psi": _PSI,
         "ksi": 6894757.293168,
         "Mpsi": 6894757293.168,
+        "Msi": 6894757293.168,  # a million psi, as data sheets write
     },
     "density": {
         "kg/m3": 1.0,

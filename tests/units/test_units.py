@@ -39,6 +39,8 @@ def test_a_number_alone_is_in_the_si_unit(value: float) -> None:
         ("1psi", "pressure", 6894.757293168),
         ("80ksi", "pressure", 80e3 * 6894.757293168),
         ("30Mpsi", "pressure", 30e6 * 6894.757293168),
+        ("29.5 Msi", "pressure", 29.5e6 * 6894.757293168),
+        ("29.5MSI", "pressure", 29.5e6 * 6894.757293168),
         ("8.6 lb/gal", "density", 8.6 * 0.45359237 / (231 * 0.0254**3)),
         ("8.6ppg", "density", 8.6 * 0.45359237 / (231 * 0.0254**3)),
         ("60deg", "angle", math.radians(60.0)),
