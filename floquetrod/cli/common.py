@@ -296,7 +296,7 @@ def units_typed(options: argparse.Namespace) -> dict[str, str]:
     typed_units = {}
     for kind, names in (("length", _WITH_LENGTHS), ("force", _WITH_FORCES)):
         texts = (getattr(options, name, None) for name in names)
-        typed = (_typed_unit(text.partition("@")[0]) for text in texts if isinstance(text, str))
+        typed = (typed_unit(text.partition("@")[0]) for text in texts if isinstance(text, str))
         if name := next((each for each in typed if each and units.is_unit(each, kind)), None):
             typed_units[kind] = name
     return typed_units
@@ -310,7 +310,7 @@ def units_shown(options: argparse.Namespace, kinds: Sequence[str], such_as: str)
     return shown
 
 
-def _typed_unit(text: str) -> str | None:
+def typed_unit(text: str) -> str | None:
     """Return the unit of a quantity, or of the last one of a range or a list; "" for none, None for no quantity."""
     return units.unit_of(re.split("[:,]", text)[-1])
 
@@ -330,7 +330,7 @@ def read_units(options: argparse.Namespace, rod: fr.Rod, like: load.Load | None 
     found: dict[str, str] = {}
     for name, kind in [*((name, LOAD[name].kind) for name in QUANTITIES), ("kick", "speed")]:
         text = getattr(options, name, None)
-        typed = _typed_unit(text) if isinstance(text, str) else None
+        typed = typed_unit(text) if isinstance(text, str) else None
         unasked = of_record.get(kind) or _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
         found[name] = units.unit(wanted, f"--{name}", kind, rod.force_unit).name

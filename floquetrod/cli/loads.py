@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import floquetrod as fr
@@ -19,6 +20,7 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
     require_one_value,
+    typed_unit,
 )
 from floquetrod.cli.messages import option
 from floquetrod.parameter import Subsystem, unknown
@@ -194,7 +196,11 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     _, like = _read_kind(options, rod)
     texts = {name: getattr(options, name) for name in QUANTITIES}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
-    return Ranges(rod, like, values, read_tolerance(options), read_units(options, rod, like))
+    shown = read_units(options, rod, like)
+    frequency = shown["frequency"] if typed_unit(options.frequency or "") else ""
+    typed = units.GivenUnits(force=shown.get("force", ""), frequency=frequency)
+    like = replace(like).given_in(typed.or_else(like.given_units))
+    return Ranges(rod, like, values, read_tolerance(options), shown)
 
 
 def warn_of_hertz(

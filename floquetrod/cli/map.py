@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 import floquetrod as fr
+from floquetrod import units
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
@@ -117,7 +118,10 @@ def _map(options: argparse.Namespace) -> Output:
             progress=progress,
         )
     bands = find_bands(options, chart)
-    drawn = chart.in_units(**{name: shown[name] for name in ("kick", *QUANTITIES)[mu_and_kick is None :]})
+    forces = (shown.get("force"), shown["mean"], shown["amplitude"])  # a critical force is none for itself
+    force = next((name for name in forces if name and units.is_unit(name, "force")), "N")
+    named = {name: shown[name] for name in ("kick", *QUANTITIES)[mu_and_kick is None :]}
+    drawn = chart.in_units(**named, critical=force)
 
     def draw() -> Any:
         axes = drawn.plot(bands=bands)

@@ -128,12 +128,15 @@ def read_kind(
         load = replace(load, noise=_noise(noise, record, named))
     if second is not None:
         load = replace(load, second=_second_sine(second, named("second")))
+    amplitude, _, frequency = (second or "").partition("@")
+    typed = units.GivenUnits.of(force=amplitude, frequency=frequency.partition("@")[0])
+    known = template.given_units.or_else(typed)
     if wave is None:
-        return load.given_in(template.given_units)
+        return load.given_in(known)
     rate = units.quantity(
         "0" if damping is None else damping, named("axial_damping"), "rate", least=0.0, largest=_LARGEST
     )
-    return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate).given_in(template.given_units)
+    return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate).given_in(known)
 
 
 def _second_sine(text: str, name: str) -> Any:

@@ -28,7 +28,11 @@ def stable_intervals(
     progress: Progress | None,
 ) -> StabilityIntervals:
     """Return the stability intervals of one quantity; see `floquetrod.Rod.ranges`."""
-    given = _given(model) if bounds is None else units.GivenUnits.of(**{LOAD[varied].kind: bounds})
+    fixed = units.GivenUnits.of(force=[others.get("mean"), others.get("amplitude")], frequency=others.get("frequency"))
+    given = fixed.or_else(_given(model))
+    if bounds is not None:  # which give the unit of what varies, of its kind alone
+        kept = {kind: getattr(given, kind) for kind in ("force", "frequency") if kind != LOAD[varied].kind}
+        given = units.GivenUnits.of(**{LOAD[varied].kind: bounds})._replace(**kept)
     if bounds is None and varied != "frequency":
         bounds = 0.0, _largest(model, varied, others)
     low, high = load_bounds(varied, bounds)

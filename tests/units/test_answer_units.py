@@ -171,3 +171,41 @@ def test_a_map_is_drawn_in_the_units_of_its_ranges() -> None:
     bands = typed.plot().get_xlim()
     assert bands == pytest.approx((10.0, 40.0))
     assert typed.in_units(frequency="rpm").plot(bands=False).get_xlabel().endswith("rpm")
+
+
+def test_a_figure_of_ranges_names_the_fixed_quantities_in_the_units_of_the_question() -> None:
+    rod, load = fr.Rod.nitinol(), fr.AxialLoad("0.1lbf", "0.05lbf", "17Hz")
+    for found in (
+        rod.ranges("frequency", load, ("10Hz", "16Hz")),
+        rod.ranges("frequency", None, ("10Hz", "16Hz"), mean="0.1lbf", amplitude="0.05lbf"),
+    ):
+        assert found.plot().get_title() == "frequency, at mean force 0.1 lbf and amplitude 0.05 lbf"
+    rpm = fr.AxialLoad("0.1lbf", "0.05lbf", "1020rpm")
+    forces = rod.ranges("mean", rpm, (0.0, 0.4))
+    assert forces.plot().get_title() == "mean force, at amplitude 0.222 N and frequency 1,020 rpm"
+
+
+def test_a_figure_and_a_map_of_the_terminal_are_in_the_units_typed(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    rod, fixed = ["--rod", "nitinol", "--out", str(tmp_path / "f.svg")], ["--mean", "0.1lbf", "--amplitude", "0.05lbf"]
+    assert main(["ranges", *rod, *fixed, "--frequency", "10Hz:16Hz"]) == 0
+    assert "at mean force 0.1 lbf and amplitude 0.05 lbf" in (tmp_path / "f.svg").read_text(encoding="utf-8")
+    assert main(["map", *rod, "--mean", "0:0.2lbf", "--amplitude", "0:10%", "--frequency", "17Hz"]) == 0
+    assert "critical force 0.381282 lbf" in capsys.readouterr().out
+    assert "critical force 0.381282 lbf" in (tmp_path / "f.svg").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "push", [["--mean", "0.1lbf", "--amplitude", "0.05lbf"], ["--mean", "20%", "--amplitude", "5%"]]
+)
+def test_a_second_sine_is_in_the_units_typed(push: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["check", "--rod", "nitinol", *push, "--frequency", "17Hz", "--second", "0.025lbf@17.22Hz", "--no-margins"]
+    assert main(line) in (0, 1)
+    assert "a second sine of 0.025 lbf at 17.22 Hz" in capsys.readouterr().out
+
+
+def test_a_second_sine_alone_may_give_the_units() -> None:
+    assert fr.AxialLoad(0.1, 0.1, 100.0, second=("0.025lbf", "17.22Hz")).features == (
+        "a second sine of 0.025 lbf at 17.22 Hz"
+    )

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import pairwise
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -277,7 +277,9 @@ class Load(units.InUnits, ShownInNotebook, TellsAttributes, ABC):
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        self.given_in(units.GivenUnits.of(force=(self.mean, self.amplitude), frequency=self.frequency))
+        second = self.second if isinstance(self.second, list | tuple) and len(self.second) > 1 else (None, None)
+        forces, frequencies = (self.mean, self.amplitude, second[0]), (self.frequency, second[1])
+        self.given_in(units.GivenUnits.of(force=forces, frequency=frequencies))
         for name in QUANTITIES:
             object.__setattr__(self, name, load_number(name, getattr(self, name)))
         if self.mean_at is not None:
@@ -288,7 +290,7 @@ class Load(units.InUnits, ShownInNotebook, TellsAttributes, ABC):
         if self.second is not None and self.noise:
             raise validate.wrong_value(
                 "second",
-                f"goes without noise, got {second_in_words(self.second)} and {noise_in_words(self.noise)}; leave one "
+                f"goes without noise, got {second_in_words(self)} and {noise_in_words(self.noise)}; leave one "
                 "of them out",
             )
 
@@ -334,7 +336,7 @@ class Load(units.InUnits, ShownInNotebook, TellsAttributes, ABC):
             given = units.AnswerUnits.named(given=self.given_units).force
             features.append(noise_in_words(self.noise, given.name))
         if self.second is not None:
-            features.append(second_in_words(self.second))
+            features.append(second_in_words(self))
         return ", ".join(features)
 
     def _at_hand(self) -> Report:
@@ -550,7 +552,7 @@ class AxialWave(Load):
         if self.second is not None:
             raise validate.wrong_value(
                 "second",
-                f"is taken to be the same all along the rod, got {second_in_words(self.second)} with waves; leave ",
+                f"is taken to be the same all along the rod, got {second_in_words(self)} with waves; leave ",
                 Mention("second"),
                 " out, or give a load without waves",
             )
@@ -704,11 +706,13 @@ def second_sine(value: Any) -> Second | None:
     return (amplitude, frequency, phase) if phase else (amplitude, frequency)
 
 
-def second_in_words(second: Second) -> str:
-    """Return a second sine in words."""
-    amplitude, frequency, *phase = second
+def second_in_words(load: Load) -> str:
+    """Return the second sine of a load, which has one, in words and in the units in which the load was given."""
+    amplitude, frequency, *phase = cast(Second, load.second)
+    given = units.AnswerUnits.named(given=load.given_units)
+    force, cycles = given.force, units.unit(load.given_units.frequency, "frequency", "frequency")
     ahead = f" of phase {phase[0]:.4g} rad" if phase else ""
-    return f"a second sine of {amplitude:.4g} N at {frequency:.6g} rad/s{ahead}"
+    return f"a second sine of {force.show(amplitude, 4)} at {cycles.show(frequency)}{ahead}"
 
 
 def require_one_sine(load: Load, subsystem: Subsystem) -> None:
@@ -716,7 +720,7 @@ def require_one_sine(load: Load, subsystem: Subsystem) -> None:
     if load.second is not None and subsystem not in LOAD["second"].known_to:
         raise validate.wrong_value(
             "second",
-            f"is not part of {NAMES[subsystem]}, which would ignore it: got {second_in_words(load.second)}; leave ",
+            f"is not part of {NAMES[subsystem]}, which would ignore it: got {second_in_words(load)}; leave ",
             Mention("second"),
             " out",
         )

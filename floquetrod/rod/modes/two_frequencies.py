@@ -56,11 +56,11 @@ class TwoFrequencyModel(SampledModel):
     @property
     def coupling(self) -> tuple[str, ...]:
         """The second sine, in words."""
-        return (*super().coupling, second_in_words(cast(Second, self.template.second)))
+        return (*super().coupling, second_in_words(self.template))
 
     def refusal(self, name: str) -> ValueError:
         """Return the error for questions that two frequencies have no answer to: proofs, friction, finite time."""
-        there = second_in_words(cast(Second, self.template.second))
+        there = second_in_words(self.template)
         return wrong_value(name, f"is not answered under {there}; leave ", Mention("second"), " out")
 
     # --- equations ---
