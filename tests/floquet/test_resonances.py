@@ -164,3 +164,78 @@ def test_beside_an_equation_that_decays_below_all_doubles_the_other_has_its_name
     stiffness, damping = np.diag([rate**2 + 1.0, -1.0]), np.diag([2.0 * rate, 0.0])
     result = fr.stability(fr.HillSystem(stiffness, [np.diag([1.0, 0.1])], damping=damping, period=math.pi))
     assert [(name.kind, name.order) for name in result.resonances] == [("buckling", 0)]
+
+
+def pendula(omega: float, epsilon: float) -> fr.HillSystem:
+    """Return two damped pendula, of which mode 2 would resonate by itself at 4.70 and is damped."""
+    cosines = np.array([[0.9, 1.0], [1.0, 0.5]])
+    sines = np.array([[0.0, 0.6], [-0.6, 0.0]])
+    return fr.HillSystem(
+        np.array([[3.0, -0.4], [-0.4, 5.0]]),
+        [epsilon * cosines],
+        [epsilon * sines],
+        mass=[[2.0, 0.3], [0.3, 1.0]],
+        damping=np.diag([0.03, 0.06]),
+        period=2.0 * math.pi / omega,
+    )
+
+
+def test_a_complex_pair_is_no_direct_resonance_of_a_mode_that_decays_beside_it() -> None:
+    """The multipliers of mode 2 lie near -1 and decay; those that grow are near +-i, as on either side."""
+    result = fr.stability(pendula(4.7, 1.15))
+    assert max(abs(m) for m in result.multipliers if abs(m.imag) < 1e-9) < 0.96
+    assert [str(name) for name in result.resonances] == ["sum resonance of modes 1 and 2, order 1"]
+    over = {"omega": np.array([4.6, 4.7, 4.75]), "eps": np.array([1.14, 1.15, 1.16])}
+    (band,) = fr.chart(lambda omega, eps: pendula(omega, eps), over=over).bands
+    assert {(band.mode, band.partner, band.tongue)} | {tongue[:3] for tongue in band.merged} == {(1, 2, 1)}
+
+
+def test_a_mode_that_its_damping_drives_is_no_resonance() -> None:
+    """One equation of negative damping grows with the frequency that it has by itself: no multiple of the forcing's."""
+    driven = fr.HillSystem([[1.0]], [[[0.1]]], damping=[[-0.1]], period=2.0 * math.pi / 1.7)
+    result = fr.stability(driven)
+    assert result.status == "unstable"
+    assert min(abs(multiplier.imag) for multiplier in result.multipliers) > 0.1
+    assert result.resonances == ()
+
+
+def test_a_double_multiplier_that_rounding_splits_is_real_within_its_error() -> None:
+    """One of two equal equations drives the other, in coordinates that hide it: the double multiplier is defective."""
+    mixing = np.random.default_rng(2).normal(size=(2, 2))
+    cosines = mixing @ np.array([[0.5, 0.2], [0.0, 0.5]]) @ np.linalg.inv(mixing)
+    result = fr.stability(fr.HillSystem(np.eye(2), [cosines], damping=0.05 * np.eye(2), period=math.pi))
+    (name,) = result.resonances
+    assert (name.kind, name.order) == ("direct", 1)
+
+
+def drawn_system(seed: int) -> fr.HillSystem | fr.PeriodicSystem:
+    """Return a coupled system: symmetric and damped, general, gyroscopic, or of first order, by turns."""
+    drawn = np.random.default_rng([77, seed])
+    n, period = int(drawn.integers(1, 4)), float(drawn.uniform(1.0, 6.0))
+    if seed % 4 == 3:
+        mean, cosines = drawn.uniform(-1.5, 1.5, (2, 2 * n, 2 * n))
+        return fr.PeriodicSystem(mean - 0.3 * np.eye(2 * n), [0.7 * cosines], period=period)
+    stiffness, cosines, sines, turning = drawn.uniform(-2.0, 2.0, (4, n, n))
+    damping = np.diag(drawn.uniform(0.0, 0.3, n))
+    if seed % 4 == 1:
+        return fr.HillSystem(stiffness + 2.5 * np.eye(n), [cosines], [sines], damping=damping, period=period)
+    stiffness, cosines, sines = (0.5 * (m + m.T) for m in (stiffness, cosines, sines))
+    gyroscopic = turning - turning.T if seed % 4 == 2 else None
+    return fr.HillSystem(
+        stiffness + 2.5 * np.eye(n), [cosines], [sines], damping=damping, gyroscopic=gyroscopic, period=period
+    )
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_direct_resonances_and_buckling_are_names_of_real_multipliers_of_their_sign(part: int) -> None:
+    seen = 0
+    for seed in range(part, 4 * depth(400, 40), 4):
+        result = fr.stability(drawn_system(seed))
+        growing = [exponent for exponent in result.exponents if exponent.real > 0.0]
+        for name in result.resonances:
+            if name.kind in ("direct", "buckling"):
+                own = [exponent for exponent in growing if exponent.real == name.growth_rate]
+                half_turns = [exponent.imag * result.period / math.pi for exponent in own]
+                assert any(abs(math.remainder(angle - name.order, 2.0)) < 1e-6 for angle in half_turns)
+                seen += 1
+    assert seen

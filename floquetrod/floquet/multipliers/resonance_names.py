@@ -95,14 +95,24 @@ class Resonance(NamedTuple):
 
 
 def name(
-    system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex], *, of_orbit: bool = False
+    system: HillSystem | PeriodicSystem | DelaySystem,
+    exponents: Sequence[complex],
+    errors: Sequence[float],
+    *,
+    of_orbit: bool = False,
 ) -> tuple[Resonance, ...]:
     """Return the names of the growing solutions among ``exponents``, the fastest first, each name once.
 
-    ``of_orbit`` says that the system is linearised along a periodic orbit, whose mean has no natural frequencies.
+    The multiplier decides which names are admissible.  One mode of a real system has its frequency locked to a multiple
+    of w / 2 where it grows, or does not oscillate: its multiplier is real, of sign (-1)^k for a direct resonance of
+    order k and positive for buckling.  A pair of complex multipliers takes two modes.  ``errors`` are those of the
+    exponents, within which a multiplier counts as real; ``of_orbit`` says that the system is linearised along a
+    periodic orbit, whose mean has no natural frequencies.
     """
     lowest = -_NOTHING / float(system.period)
-    growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= lowest]
+    known = zip(exponents, errors, strict=True)
+    found = [(exponent, error) for exponent, error in known if exponent.real > 0.0 and exponent.imag >= lowest]
+    growing = [exponent for exponent, _ in found]
     if isinstance(system, DelaySystem):
         return _by_multipliers(system, growing, ("hopf", "fold", "flip"))
     if of_orbit:
@@ -122,13 +132,14 @@ def name(
     w = 2.0 * math.pi / float(system.period)
     names: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
     pairs = _Pairs.of(modes, w, differences)
-    for place, exponent in enumerate(growing):
+    for place, (exponent, error) in enumerate(found):
         if place in by_tongue:
             number = int(modes.of_singles[by_tongue[place]])
             tongue = singles[by_tongue[place]].tongue or 0
             best = Resonance("direct" if tongue else "buckling", (number,), tongue, exponent.real)
         else:
-            candidates = [*_combinations(modes, pairs, exponent, w), *_of_the_mean(modes, exponent, w)]
+            real = _off(exponent, 0.0, 0.5 * w) <= max(error / w, _NOTHING)  # Im exponent = k w / 2
+            candidates = [*_combinations(modes, pairs, exponent, w, real), *_of_the_mean(modes, exponent, w, real)]
             if not candidates:
                 continue
             best = min(candidates, key=lambda candidate: candidate[:3]).name
@@ -322,10 +333,11 @@ class _Pairs(NamedTuple):
         return cls(first, second, *(np.hstack(parts) for parts in zip(sums, apart, strict=True)))
 
 
-def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float) -> list[_Candidate]:
+def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float, real: bool) -> list[_Candidate]:
     """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order.
 
-    A direct resonance of odd order has a multiplier nearer to -1 than to 1, one of even order the other way round.
+    Direct resonances are among them where the multiplier is ``real``, of odd orders where it is negative, of even ones
+    where it is positive.
     """
     f = modes.poles.imag
     first, second, orders = pairs.first, pairs.second, pairs.orders
@@ -335,7 +347,7 @@ def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float)
     mismatch = np.repeat((angle[first] + angle[second])[:, None], orders.shape[1], axis=1)
     same = first == second
     mismatch[same] = 2.0 * _off(exponent, 0.5 * orders[same] * w, w)
-    mismatch[same] = np.where(mismatch[same] < 0.5, mismatch[same], math.inf)
+    mismatch[same] = np.where(real & (mismatch[same] < 0.5), mismatch[same], math.inf)
     misfits = pairs.detuning + mismatch + pairs.cost + _PER_ORDER * orders
     # The first of the least, in the order of modes, kinds and orders.
     pair, column = divmod(int(np.where(np.isnan(misfits), math.inf, misfits).argmin()), misfits.shape[1])
@@ -365,16 +377,16 @@ def _near(modes: _MeanModes, total: Floats, w: float, first: Ints, second: Ints)
     return orders, detuning, cost
 
 
-def _of_the_mean(modes: _MeanModes, exponent: complex, w: float) -> list[_Candidate]:
+def _of_the_mean(modes: _MeanModes, exponent: complex, w: float, real: bool) -> list[_Candidate]:
     """Return the candidates without forcing: buckling, and flutter, where two modes of the mean system have met.
 
-    Buckling has a multiplier nearer to 1 than to -1.
+    Buckling is among them where the multiplier is ``real`` and positive.
     """
     poles, frequencies = modes.poles, modes.poles.imag
     candidates = []
     for i in np.flatnonzero(_buckles(modes)).tolist():
         off = _off(exponent, 0.0, w)
-        if off < 0.25:
+        if real and off < 0.25:
             misfit = off + abs(poles[i].real - exponent.real) / w
             name = Resonance("buckling", (int(modes.numbers[i]),), 0, exponent.real)
             candidates.append(_Candidate(float(misfit), 0, i, name))

@@ -91,15 +91,18 @@ class SystemStability(FloquetVerdict):
         """Names of the growing solutions, the fastest first; they do not affect the verdict.
 
         They are heuristic, except for equations of second order that are coupled with no other, without jumps, whose
-        tongues are counted.  None contradicts the sign of a real multiplier.
+        tongues are counted.  None contradicts its multiplier: direct resonances and buckling are names of real ones, of
+        the sign that belongs to the order, and complex pairs are named as combinations of two modes or not at all.
         Solutions whose growth is below its error have none, unless it is the fastest.
         """
         if self.status != "unstable":
             return ()
-        exponents = np.array(self.exponents)
-        certain = exponents[exponents.real > np.array(self.exponent_errors)]
+        exponents, errors = np.array(self.exponents), np.array(self.exponent_errors)
+        certain = exponents.real > errors
+        if not certain.any():
+            certain[:1] = True
         return resonance_names.name(
-            self.system, (certain if certain.size else exponents[:1]).tolist(), of_orbit=self.along_orbit
+            self.system, exponents[certain].tolist(), errors[certain].tolist(), of_orbit=self.along_orbit
         )
 
     @property
