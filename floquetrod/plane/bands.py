@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,7 +143,7 @@ class Bands(NoTruthValue, ByContent):
         tongues are found by counts and not among points of the plane (the page `theory/maps` says which part of that is
         proved, and which observed).
 
-    Iterating gives the bands.
+    Iterating gives the bands, and so do an index and a slice, as of the tuple.
     """
 
     ask = "len(...) or .bands"
@@ -160,6 +160,16 @@ class Bands(NoTruthValue, ByContent):
     def __iter__(self) -> Iterator[Band]:
         """Iterate over the bands."""
         return iter(self.bands)
+
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> Band: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Band, ...]: ...
+
+    def __getitem__(self, index: SupportsIndex | slice) -> Band | tuple[Band, ...]:
+        """Return the band at an index, or the bands of a slice."""
+        return self.bands[index]
 
     def __len__(self) -> int:
         """Return the number of bands."""

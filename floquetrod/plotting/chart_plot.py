@@ -47,7 +47,8 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     else:
         growth = np.where(chart.stable, np.nan, np.nan_to_num(chart.growth_rate))  # unknown where undecided
         mesh = ax.pcolormesh(x, y, growth, cmap=palette.shades(), vmin=0.0, rasterized=True)
-        ax.figure.colorbar(mesh, ax=ax, label=growth_label(chart.growth_unit))
+        if np.nanmax(growth, initial=0.0) > 0.0:
+            ax.figure.colorbar(mesh, ax=ax, label=growth_label(chart.growth_unit))
     if chart.cells is None and chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
     draw_large_motion(chart, ax)

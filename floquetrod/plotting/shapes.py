@@ -55,7 +55,8 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
         if len(bands):
             image.set_clip_path(_outline(bands), ax.transData)
         image.set_visible(len(bands) > 0)
-        ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
+        if len(bands) and image.get_array().max() > 0.0:
+            ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
     draw_large_motion(chart, ax, 0.5)
     draw_response_lines(chart, ax)
     undecided = f"{chart.undecided} of {chart.stable.size} points undecided" if chart.undecided else ""

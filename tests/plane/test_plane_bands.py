@@ -192,6 +192,16 @@ def test_windows_that_hold_no_band_or_lie_within_one() -> None:
     assert whole.place[0] == 1.1
 
 
+def test_bands_are_taken_by_index_and_slice_as_they_are_iterated() -> None:
+    bands = chart((0.0, 10.0, 41), (0.0, 3.0, 25)).bands
+    assert len(bands) > 2
+    assert [bands[i] for i in range(len(bands))] == list(bands)
+    assert bands[-1] is bands.bands[-1]
+    assert bands[1:] == tuple(bands)[1:]
+    with pytest.raises(IndexError):
+        bands[len(bands)]
+
+
 def test_tongues_begin_in_a_point_without_forcing() -> None:
     bands = chart((0.0, 2.0, 5), (-2.5, 0.5, 5)).bands
     for band in bands:

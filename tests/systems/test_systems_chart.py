@@ -13,6 +13,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
+from floquetrod.plotting.chart_plot import draw_chart
 from floquetrod.systems import batch_verdicts
 from tests.inside import half_period
 
@@ -179,6 +180,18 @@ def test_a_function_of_no_module_is_charted_under_its_name() -> None:
     exec("def by_hand(omega, epsilon): return coupled(omega, epsilon)", known)
     assert known["by_hand"].__module__ is None
     assert fr.chart(known["by_hand"], over=OVER).subject["name"] == "by_hand"
+
+
+@pytest.mark.parametrize("omega", [(5.0, 6.0, 3), (2.9, 3.1, 3)])
+def test_a_plot_has_a_bar_of_growth_where_something_grows(omega: tuple[float, float, int]) -> None:
+    chart = fr.chart(coupled, over={"omega": omega, "epsilon": (0.2, 0.3, 3)}, growth=True)
+    grows = bool((~chart.stable).any())
+    assert grows is (omega[0] < 5.0)
+    for axes in (chart.plot(), draw_chart(chart)):
+        bars = [other for other in axes.figure.axes if "growth rate" in other.get_ylabel()]
+        assert [bar.get_ylim()[0] for bar in bars] == [0.0] * grows
+        axes.figure.canvas.draw()
+        pyplot.close(axes.figure)
 
 
 @pytest.mark.slow
