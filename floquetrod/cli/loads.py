@@ -97,21 +97,24 @@ def _add_kind(command: argparse.ArgumentParser, subsystem: Subsystem) -> None:
         )
 
 
-def _read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | None:
-    """Return the measured force, None without any; warns where it may be in another unit or of the other sign."""
+def _read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
+    """Return the measured force, None without any."""
     if options.force is None:
         return reading.read_record(vars(options), option)
     with Waiting(f"reading and fitting {options.force}"):
-        record = reading.read_record(vars(options), option)
-    if record is not None:
-        warn_of_record(rod, record)
-    return record
+        return reading.read_record(vars(options), option)
 
 
 def _read_kind(options: argparse.Namespace, rod: fr.Rod) -> tuple[fr.ForceRecord | None, Load]:
-    """Return the measured force, and a load of the kind that the options describe, with the numbers of the record."""
-    record = _read_record(options, rod)
-    return record, reading.read_kind(vars(options), record, option)
+    """Return the measured force, and a load of the kind that the options describe, with the numbers of the record.
+
+    Warns where the force may be in another unit or of the other sign, and where it holds more than the load.
+    """
+    record = _read_record(options)
+    load = reading.read_kind(vars(options), record, option)
+    if record is not None:
+        warn_of_record(rod, record, load)
+    return record, load
 
 
 def _require_quantities(options: argparse.Namespace) -> None:

@@ -261,9 +261,10 @@ def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     words: dict[str, Any] = given | texts | {"force": force}
     record = read_record(words)
+    like = read_kind(words, record)
     if record is not None:
-        warn_of_record(rod, record)
-    return read_load(words, rod, read_kind(words, record))
+        warn_of_record(rod, record, like)
+    return read_load(words, rod, like)
 
 
 def _warn_of_hertz(path: Path, tables: Mapping[str, Any], problem: SimulationProblem, over: Mapping[str, Any]) -> None:

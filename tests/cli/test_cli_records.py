@@ -90,10 +90,10 @@ def test_times_of_a_force_too_quick_for_any_machine_are_warned_of(tmp_path: Path
     path, matters = written(tmp_path, "N"), "its force 23,87. Hz, .* Give time_unit, such as s or ms"
     quick, slow = (fr.ForceRecord.from_csv(path, time_unit=unit) for unit in ("ms", "s"))
     with pytest.warns(fr.PlausibilityWarning, match=matters):
-        warn_of_record(ROD, quick)  # as the terminal and studies do
+        warn_of_record(ROD, quick, quick.load)  # as the terminal and studies do
     with pytest.warns(fr.PlausibilityWarning, match=matters):
         warn_of_load(ROD, quick.load, quick)  # as `Rod.stability` does
-    warn_of_record(ROD, slow)
+    warn_of_record(ROD, slow, slow.load)
     warn_of_load(ROD, slow.load, slow)
 
 

@@ -443,6 +443,15 @@ class LoadSource(ABC):
     def load(self) -> Load:
         """The load."""
 
+    @property
+    @abstractmethod
+    def lines(self) -> tuple[Second, ...]:
+        """Sines that were measured and that the load does not hold, as ``second`` of a load takes them."""
+
+    @abstractmethod
+    def _line_in_words(self, line: Second) -> str:
+        """Return one of them as ``--second`` takes it."""
+
     @abstractmethod
     def _within_errors(self, count: int) -> Iterator[Load]:
         """Yield loads drawn within the errors of the load, the same ones in every call."""

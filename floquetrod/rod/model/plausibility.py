@@ -301,9 +301,10 @@ def warn_of_load(rod: Any, load: Load, source: LoadSource | None = None) -> None
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
-def warn_of_record(rod: Any, record: Any) -> None:
-    """Warn of a record whose times are suspicious, that pulls on average, or whose file names no unit of force."""
-    suspicions = [*suspicions_of_times(record), *record._pull_in_words("the record")]
+def warn_of_record(rod: Any, record: Any, load: Any) -> None:
+    """Warn of a record with suspicious times, a pull on average, a force without a unit or lines not in the load."""
+    said = (*record._pull_in_words("the record"), *record._lines_in_words("the record", load.second))
+    suspicions = [*suspicions_of_times(record), *said]
     if not record.force_unit_named:  # taken in N, whatever it is
         forces = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))
         general = "the record names no unit of force: taken in N; give "

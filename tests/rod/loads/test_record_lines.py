@@ -1,0 +1,118 @@
+"""Lines of a record, sines that its fit does not hold: found, said, and never passed over by a verdict."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import floquetrod as fr
+from floquetrod.cli.main import main
+from floquetrod.rod.loads.record import ChangedRecord
+from tests.conftest import depth
+
+ROD = fr.Rod(
+    youngs_modulus="29.5Mpsi", density="0.276 lb/in3", diameter="1/8in", length="20ft", channel_diameter="0.75in",
+    damping_rate=0.08,
+)  # fmt: skip
+POUND = 4.4482216152605
+
+
+def record(second: float, hertz: float = 17.22, noise: float = 0.05, seed: int = 8) -> fr.ForceRecord:
+    """Six seconds of 1.22 and 0.35 lbf at 24.3 Hz, under which nothing grows, and of a second sine in lbf."""
+    t = np.arange(0.0, 6.0, 1.0 / 800.0)
+    force = 1.22 + 0.35 * np.sin(2.0 * math.pi * 24.3 * t + 0.3) + second * np.sin(2.0 * math.pi * hertz * t + 1.0)
+    return fr.ForceRecord(t, POUND * (force + noise * np.random.default_rng(seed).standard_normal(t.size)))
+
+
+def test_a_line_has_its_amplitude_frequency_and_phase() -> None:
+    ((amplitude, frequency, phase),) = record(0.25).lines
+    assert amplitude == pytest.approx(0.25 * POUND, rel=0.02)
+    assert frequency == pytest.approx(2.0 * math.pi * 17.22, rel=1e-4)
+    assert phase == pytest.approx(1.0, abs=0.05)
+
+
+def test_two_lines_are_found_the_strongest_first() -> None:
+    t = np.arange(0.0, 6.0, 1.0 / 800.0)
+    force = sum(a * np.sin(2.0 * math.pi * f * t) for a, f in ((1.0, 24.3), (0.1, 57.1), (0.3, 17.22)))
+    found = fr.ForceRecord(t, 3.0 + force + 0.02 * np.random.default_rng(1).standard_normal(t.size)).lines
+    np.testing.assert_allclose([line[:2] for line in found], [(0.3, 108.196), (0.1, 358.77)], rtol=0.02)
+
+
+@pytest.mark.parametrize("kind", ["white", "pink", "resonant"])
+def test_noise_makes_few(kind: str, rng: np.random.Generator) -> None:
+    """In white noise one record of 1000 has any; noise that is stronger about a frequency may pass for a line."""
+    count, of = 0, depth(300, 60)
+    for _ in range(of):
+        n = int(rng.integers(300, 4000))
+        t, white = np.arange(n) / 1000.0, rng.standard_normal(n)
+        noise = white
+        if kind == "pink":
+            noise = np.fft.irfft(np.fft.rfft(white) / np.sqrt(np.maximum(np.arange(n // 2 + 1), 1.0)), n)
+        elif kind == "resonant":
+            radius, angle = rng.uniform(0.9, 0.99), rng.uniform(0.1, 3.0)
+            noise = lfilter([1.0], [1.0, -2.0 * radius * math.cos(angle), radius**2], white)
+        frequency = 2.0 * math.pi * rng.uniform(10.0, n / 8.0) / t[-1]
+        force = 3.0 + np.sin(frequency * t) + rng.uniform(0.05, 0.5) * noise / noise.std()
+        count += bool(fr.ForceRecord(t, force, frequency=frequency).lines)
+    assert count <= {"white": 2, "pink": 0.05 * of, "resonant": 0.1 * of}[kind]
+
+
+@pytest.mark.parametrize(("second", "with_it"), [(0.25, "unstable"), (0.12, "unstable"), (0.015, "stable")])
+def test_no_verdict_passes_over_a_line(second: float, with_it: str) -> None:
+    """Undecided where the verdict with the line as the second sine is another one, which the note has."""
+    measured = record(second, noise=0.01)
+    (line,) = measured.lines
+    load = replace(measured.load, second=line)
+    beside, alone = ROD.stability(load), ROD.stability(measured.load)
+    verdict = ROD.stability(measured)
+    assert (alone.status, beside.status) == ("stable", with_it)
+    assert verdict.status == ("undecided" if with_it == "unstable" else "stable")
+    assert abs(beside.growth_rate - verdict.growth_rate) <= verdict.error
+    assert f"beside the fit: {with_it}" in verdict.note
+
+
+def test_a_second_sine_that_is_the_line_answers() -> None:
+    measured = record(0.25)
+    changed = ChangedRecord(measured, lambda fit: replace(fit, second=(0.25 * POUND, 2.0 * math.pi * 17.22)))
+    assert not changed.lines
+    assert ROD.stability(changed).status == "unstable"
+    other = ChangedRecord(measured, lambda fit: replace(fit, second=(0.25 * POUND, 2.0 * math.pi * 31.0)))
+    assert other.lines == measured.lines
+    assert ROD.stability(other).status == "undecided"
+
+
+def test_beside_noise_what_a_line_does_is_not_known() -> None:
+    measured = record(0.25)
+    verdict = ROD.stability(ChangedRecord(measured, lambda fit: replace(fit, noise=1e-6)))
+    assert verdict.status == "undecided"
+    assert verdict.error == math.inf
+    assert "is not known" in verdict.note
+
+
+def test_the_terminal_warns_of_it_and_takes_the_words_back(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    measured = record(0.25)
+    columns = np.column_stack([measured.time, measured.samples / POUND])
+    np.savetxt("log.csv", columns, "%.6f", ",", header="time (s),load (lbf)", comments="")
+    Path("rod.toml").write_text(
+        'youngs_modulus = "29.5Mpsi"\ndensity = "0.276 lb/in3"\ndiameter = "1/8in"\nlength = "20ft"\n'
+        'channel_diameter = "0.75in"\ndamping_rate = 0.08\n'
+    )
+    ask = ["check", "--rod", "rod.toml", "--force", "log.csv", "--no-margins"]
+    assert main(ask) == 0
+    said = capsys.readouterr()
+    assert said.out.startswith("UNDECIDED")
+    second = said.err.partition("beside the fit, ")[2].partition(":")[0]
+    assert re.fullmatch(r"0\.2\d*lbf@17\.2\d*Hz", second)
+    assert main([*ask, "--second", second]) == 0
+    answered = capsys.readouterr()
+    assert answered.out.startswith("UNSTABLE: mode 7 grows")
+    assert "beside the fit" not in answered.err
