@@ -204,6 +204,7 @@ def test_a_record_of_one_harmonic_has_the_margins_of_the_sine(
     assert (below, above) == pytest.approx(tuple(margin), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_record_that_pulls_on_average_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Many load cells count compression as negative, and what pulls buckles nothing."""
     t = np.arange(0.0, 2.0, 1e-3)
@@ -219,6 +220,7 @@ def test_a_record_that_pulls_on_average_says_so(tmp_path: Path, capsys: pytest.C
     assert "change the sign" not in said[1.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "question",
     [

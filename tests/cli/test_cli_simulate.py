@@ -154,6 +154,7 @@ def test_ends_that_are_moved_or_pushed(tmp_path: Path, capsys: pytest.CaptureFix
     assert problem.far_force == 0.5 * problem.rod.critical_force
 
 
+@pytest.mark.slow
 def test_a_measured_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     time = np.arange(0.0, 2.0, 1e-3)
     force = 0.3 + 0.2 * np.sin(150.0 * time) + 0.05 * np.sin(300.0 * time)

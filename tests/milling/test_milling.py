@@ -260,6 +260,7 @@ def test_no_name_in_the_chart_of_the_slot_covers_a_lobe() -> None:
     pyplot.close(ax.figure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(60, 2)))
 def test_the_table_of_lobes_has_each_once_and_no_neighbours_are_one_lobe(seed: int) -> None:
     lobes = drawn_lobes(seed)
@@ -296,6 +297,7 @@ def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() 
     assert all(0.8 < lobe.frequency / (2.0 * math.pi * 922.0) < 1.2 for lobe in lobes.lobes)
 
 
+@pytest.mark.slow
 def test_the_report_says_where_the_deepest_cut_is() -> None:
     lobes = cutter().lobes(("14000rpm", "20000rpm", 9), ("0.1mm", "3.5mm", 8))
     best = int(lobes.depths.argmax())
@@ -308,6 +310,7 @@ def test_the_report_says_where_the_deepest_cut_is() -> None:
     assert free.report().lines == [("deepest", deepest)]
 
 
+@pytest.mark.slow
 def test_progress_of_lobes_rises_to_the_end_and_may_end_the_work() -> None:
     mill, plane = cutter(), (("14000rpm", "22000rpm", 60), ("0.1mm", "3.5mm", 24))
     told: list[tuple[int, int]] = []

@@ -50,6 +50,7 @@ def gaps(orbit: fr.results.PeriodicOrbit, over: tuple[float, float], longest: fl
     return cubic, tangent
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("function", "start", "value", "period", "over"),
     [

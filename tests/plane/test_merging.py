@@ -102,6 +102,7 @@ def test_merged_tongues_are_named_listed_kept_and_labelled(tmp_path: Path) -> No
     pyplot.close(axes.figure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_tongue_that_the_chart_cuts_off_begins_along_the_end_of_the_chart(seed: int) -> None:
     ring, tips = comb(np.random.default_rng(seed), 4)

@@ -262,6 +262,7 @@ def test_labels_lie_in_their_bands_and_nowhere_else() -> None:
     pyplot.close("all")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(20, 5)))
 def test_a_few_narrow_bands_have_their_names_beside(seed: int) -> None:
     rng = np.random.default_rng([51, seed])

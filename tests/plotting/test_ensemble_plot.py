@@ -124,6 +124,7 @@ def test_two_chosen_quantities_make_a_plane(seed: int) -> None:
     pyplot.close("all")
 
 
+@pytest.mark.slow
 def test_two_chosen_quantities_with_drawn_runs_have_a_plane_and_panels() -> None:
     rng, shape, dims = np.random.default_rng(3), (3, 2, 20), ("mean", "amplitude", "seed")
     coords = {

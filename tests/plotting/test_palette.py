@@ -39,6 +39,7 @@ def found(pages: list[Path], pattern: str) -> list[str]:
     return [f"{name}: {match[0]}" for name, text in texts for match in re.finditer(pattern, text)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", FORBIDDEN)
 def test_only_the_palette_names_colours(what: str) -> None:
     assert found(DRAWN, FORBIDDEN[what]) == []

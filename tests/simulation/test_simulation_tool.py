@@ -51,6 +51,7 @@ def test_waves_run_from_it_both_ways_with_its_share(above_end: float, path: fr.W
     assert np.sqrt(np.mean((run.velocities[..., 0] - expected)[direct] ** 2)) < 0.01 * size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("above_end", [1.0, 0.02, 3.09])
 @pytest.mark.parametrize(("path", "friction"), [(None, 0.0), (None, INTERVALS), (WELL, INTERVALS)])
 def test_the_error_of_the_energy_balance_is_of_second_order(above_end: float, path: Any, friction: Any) -> None:

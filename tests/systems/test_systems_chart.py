@@ -182,6 +182,7 @@ def test_a_function_of_no_module_is_charted_under_its_name() -> None:
     assert fr.chart(known["by_hand"], over=OVER).subject["name"] == "by_hand"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("omega", [(5.0, 6.0, 3), (2.9, 3.1, 3)])
 def test_a_plot_has_a_bar_of_growth_where_something_grows(omega: tuple[float, float, int]) -> None:
     chart = fr.chart(coupled, over={"omega": omega, "epsilon": (0.2, 0.3, 3)}, growth=True)

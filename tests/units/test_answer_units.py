@@ -185,6 +185,7 @@ def test_a_figure_of_ranges_names_the_fixed_quantities_in_the_units_of_the_quest
     assert forces.plot().get_title() == "mean force, at amplitude 0.222 N and frequency 1,020 rpm"
 
 
+@pytest.mark.slow
 def test_a_figure_and_a_map_of_the_terminal_are_in_the_units_typed(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -576,6 +576,7 @@ def test_what_is_not_tried_at_the_lower_end_is_marked() -> None:
     assert marks.get_ydata() == pytest.approx(found.bit[:2])
 
 
+@pytest.mark.slow
 def test_the_figure_ends_where_the_string_does_however_few_depths_were_asked_for() -> None:
     found = TUBING.reach(WELL, 0.3, tool=TOOL, depth=[2000.0, 4000.0])
     figure = found.plot()
@@ -590,6 +591,7 @@ def test_the_figure_ends_where_the_string_does_however_few_depths_were_asked_for
     pyplot.close(figure)
 
 
+@pytest.mark.slow
 def test_a_reach_with_a_tool_says_its_error_and_how_finely_it_was_sampled() -> None:
     lines = dict(TUBING.reach(WELL, 0.3, tool=TOOL, depth=[4000.0]).report(depth="ft").lines)
     assert lines["error"] == "some 6 ft with the tool, 0.05 % of the depth"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,12 +14,13 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import error_in
+from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.arrays import EPS, shaped
 from floquetrod._util.caching import cached_property
-from floquetrod._util.calling import constructor_hints
+from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
@@ -324,8 +326,12 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def noisy_load(self) -> AxialLoad:
         """The `load` with the spectrum of the residual as its noise, so that verdicts are those in mean square.
 
-        With the record itself, or its `load`, in place of a load the noise only makes the verdict uncertain.
+        With the record itself, or its `load`, in place of a load the noise only makes the verdict uncertain.  Warns of
+        `lines`, whose power a spectrum spreads over a band as if they were noise.
         """
+        for said in self._lines_in_words("the record"):
+            hidden = f"{said}; as noise its power is spread over a band, which may hide that it makes the rod unstable"
+            warnings.warn(Message(hidden, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
         return replace(self.load, noise=self.noise_spectrum).given_in(self.given_units)
 
     @cached_property

@@ -47,7 +47,7 @@ def test_two_lines_are_found_the_strongest_first() -> None:
 @pytest.mark.parametrize("kind", ["white", "pink", "resonant"])
 def test_noise_makes_few(kind: str, rng: np.random.Generator) -> None:
     """In white noise one record of 1000 has any; noise that is stronger about a frequency may pass for a line."""
-    count, of = 0, depth(300, 60)
+    count, of = 0, depth(300, 25)
     for _ in range(of):
         n = int(rng.integers(300, 4000))
         t, white = np.arange(n) / 1000.0, rng.standard_normal(n)
@@ -93,6 +93,11 @@ def test_beside_noise_what_a_line_does_is_not_known() -> None:
     assert verdict.status == "undecided"
     assert verdict.error == math.inf
     assert "is not known" in verdict.note
+
+
+def test_a_line_is_no_noise() -> None:
+    with pytest.warns(fr.PlausibilityWarning, match="holds a sine beside the fit, .* as noise its power is spread"):
+        assert record(0.25).noisy_load.noise
 
 
 def test_the_terminal_warns_of_it_and_takes_the_words_back(

@@ -192,6 +192,7 @@ def test_matrices_are_the_integrals_of_derivatives(ends: EndConditions) -> None:
     assert ours.tolist() == ours.T.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["hinged", "clamped", "guided-free", "clamped-hinged", "free"])
 def test_coupling_is_that_of_quadrature(word: str) -> None:
     ends = EndConditions.of(word)

@@ -313,6 +313,7 @@ def test_finite_elements_converge_to_the_truth_on_an_arc() -> None:
     assert extrapolated(arc(80.0, 90.0), load, 40) == pytest.approx(5.8427648, rel=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning")
 @pytest.mark.parametrize("side", [0.0, 1.0])
 def test_finite_elements_converge_to_the_modes_on_a_path_that_turns(side: float) -> None:
@@ -472,6 +473,7 @@ def test_growth_of_random_bends_is_that_of_their_modes() -> None:
         assert found == pytest.approx(float(mode_growth(rod, mean, amplitude, frequency)[0]), rel=1e-8, abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("curvature", [0.2, -0.2])
 @pytest.mark.parametrize("reach", [(0.3, 2.0), (-1.0, 2.0)])
 def test_mean_forces_on_a_line_that_moves_the_rod_to_the_other_side_are_judged_one_by_one(

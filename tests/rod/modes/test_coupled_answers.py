@@ -558,6 +558,7 @@ def test_harmonics_on_a_plain_rod_are_those_of_hill_equations() -> None:
     assert found.resonances[0].kind == "direct"
 
 
+@pytest.mark.slow
 def test_a_sine_may_be_written_as_a_harmonic() -> None:
     numbers = 0.3 * PLAIN.critical_force, 0.4 * PLAIN.critical_force, 2.0 * SWING
     sine, harmonic = fr.AxialLoad(*numbers), fr.AxialLoad(*numbers, waveform=(-1j,))
