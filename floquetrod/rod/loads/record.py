@@ -32,7 +32,7 @@ from floquetrod.units import Unit
 
 _LATEST = 1e12  # s
 _FEWEST = 12  # samples
-_BANDS, _IN_A_BAND = 32, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
+_BANDS, _IN_A_BAND = 512, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
 _NEWTON = units.unit("N", "", "force")
 _HERTZ = "Hz"  # in which a record's frequency is said, as its spectrum is drawn
 _ERRORS = 2.0  # standard errors by which drawn loads depart from the fit: 95 %
@@ -271,14 +271,15 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def noise_spectrum(self) -> tuple[tuple[float, float], ...]:
         """Frequencies in Hz, and the one-sided spectral density there in N^2/Hz of the residual of the fit.
 
-        The power of the residual averaged over bands of 16 independent frequencies or more, 32 bands at most: each is
-        accurate to a quarter or better.  Nothing is known above half of the sampling rate.
+        The power of the residual averaged over bands of 16 independent frequencies or more, 512 bands at most: each is
+        accurate to a quarter or better, and noise is taken as even within a band.  Nothing is known above half of the
+        sampling rate.
         """
         samples = Samples.of(self.time, self.samples)
         found = power_spectrum(samples, self._residual(samples))
         rate = (self.time.size - 1) / float(self.time[-1] - self.time[0])
         hertz = found.step * np.arange(1, found.power.size + 1) / (2.0 * samples.half)
-        bands = max(1, min(_BANDS, self.time.size // (2 * _IN_A_BAND)))
+        bands = self._bands
         parts = zip(np.array_split(hertz, bands), np.array_split(2.0 / rate * found.power, bands), strict=True)
         return tuple((float(at.mean()), float(density.mean())) for at, density in parts)
 
@@ -321,6 +322,11 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             mean, omega = random.normal((fit.mean, fit.frequency), spread).tolist()
             waveform = tuple((harmonics[: len(self.waveform)] / self.amplitude).tolist())
             yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=waveform)
+
+    @property
+    def _bands(self) -> int:
+        """Number of bands of the spectrum of the noise."""
+        return max(1, min(_BANDS, self.time.size // (2 * _IN_A_BAND)))
 
     @property
     def noisy_load(self) -> AxialLoad:
@@ -443,8 +449,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         if not lines:
             return []
         sines = " and ".join(map(self._line_in_words, lines))
-        many = "sines" if len(lines) > 1 else "a sine"
-        return [f"{it} holds {many} beside the fit, {sines}: --second adds one (Python: second=)"]
+        many = "sines, or noise in narrow bands," if len(lines) > 1 else "a sine, or noise in a narrow band,"
+        return [f"{it} holds {many} beside the fit: {sines}; --second adds one (Python: second=)"]
 
     def _pull_in_words(self, it: str) -> list[str]:
         """Return that the force pulls on average, of ``it``, where it does so by a tenth of its amplitude or more."""
@@ -490,7 +496,16 @@ class ChangedRecord(LoadSource):
         return self.record._line_in_words(line)
 
     def _within_errors(self, count: int) -> Iterator[Load]:
-        return map(self.change, self.record._within_errors(count))
+        """Yield loads as `ForceRecord`; where its spectrum is their noise, each band departs by two standard errors."""
+        random, spectrum = np.random.default_rng(0), self.record.noise_spectrum if self.load.noise else ()
+        off = _ERRORS / math.sqrt(self.record.time.size / (2.0 * self.record._bands))
+        for load in map(self.change, self.record._within_errors(count)):
+            if load.noise and load.noise == spectrum:
+                factors = np.exp(off * random.standard_normal(len(spectrum))).tolist()
+                noise = tuple((at, density * factor) for (at, density), factor in zip(spectrum, factors, strict=True))
+                yield replace(load, noise=noise)
+            else:
+                yield load
 
 
 def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:

@@ -95,8 +95,34 @@ def test_beside_noise_what_a_line_does_is_not_known() -> None:
     assert "is not known" in verdict.note
 
 
+def test_narrow_noise_is_told_from_that_beside_it_and_its_error_counts() -> None:
+    """A hump of 1.3 Hz shakes a mode at its middle as its own density does, not as an average over many hertz.
+
+    The growth in mean square of a mode is proportional to the density at twice its frequency; that of a process of
+    which the record is a sample lies within the stated error, in which the error of a density from so many periods is.
+    """
+    rod = fr.Rod(youngs_modulus="30Mpsi", density="490lb/ft3", diameter="0.5in", length="40ft", channel_diameter="2in",
+                 damping_rate=0.05)  # fmt: skip
+    t, random = np.arange(8000) / 1000.0, np.random.default_rng(3)
+    hertz = np.fft.rfftfreq(t.size, 1e-3)
+    shape = np.exp(-(((hertz - 20.0) / 0.8) ** 2))  # of the density
+    hump = np.fft.irfft(np.sqrt(shape) * (random.standard_normal(hertz.size) + 1j * random.standard_normal(hertz.size)))
+    push = 90.0 + 15.0 * np.sin(2.0 * math.pi * 12.53 * t)
+    measured = fr.ForceRecord(t, POUND * (push + 5.0 * hump / hump.std() + 0.3 * random.standard_normal(t.size)))
+    level = (5.0 * POUND) ** 2 / (np.trapezoid(shape, hertz))
+    process = tuple((float(at), float(level * dense) + 1e-6) for at, dense in zip(hertz[1:], shape[1:], strict=True))
+    true = rod.stability(replace(measured.load, noise=process[:400]))
+    verdict = rod.stability(ChangedRecord(measured, lambda fit: replace(fit, noise=measured.noise_spectrum)))
+    assert verdict.status in ("undecided", true.status)
+    assert true.exponents[0].real > 0.0
+    assert abs(verdict.exponents[0].real - true.exponents[0].real) < verdict.error < 0.3
+
+
 def test_a_line_is_no_noise() -> None:
-    with pytest.warns(fr.PlausibilityWarning, match="holds a sine beside the fit, .* as noise its power is spread"):
+    with pytest.warns(
+        fr.PlausibilityWarning,
+        match="holds a sine, or noise in a narrow band, beside the fit: .* as noise its power is spread",
+    ):
         assert record(0.25).noisy_load.noise
 
 
@@ -115,7 +141,7 @@ def test_the_terminal_warns_of_it_and_takes_the_words_back(
     assert main(ask) == 0
     said = capsys.readouterr()
     assert said.out.startswith("UNDECIDED")
-    second = said.err.partition("beside the fit, ")[2].partition(":")[0]
+    second = said.err.partition("beside the fit: ")[2].partition(";")[0]
     assert re.fullmatch(r"0\.2\d*lbf@17\.2\d*Hz", second)
     assert main([*ask, "--second", second]) == 0
     answered = capsys.readouterr()
