@@ -56,7 +56,7 @@ FAST, SOUGHT, TRIED = Fineness(1e-8, 1, 12), Fineness(1e-6, 1, 12), Fineness(1e-
 """Of one string, and of the coarser run whose difference is its error; of many strings; of searches for a depth; of
 searches for a force at the lower end."""
 
-OF_SECTIONS = Fineness(1e-10, 1, 12)
+OF_SECTIONS = Fineness(1e-12, 2, 12)
 """Of many strings of several sections, whose forces are those of the chain of their sections to 1e-6."""
 
 _DIVIDED = 300.0  # m (a choice)
