@@ -18,8 +18,6 @@ from floquetrod.rod.modes.mode_model import ModeModel
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
-_LINES = 3  # of a record that are tried, the strongest (a choice)
-
 NOISE_OF_SENSOR = (
     "noise taken as an error of the sensor; if the force itself is random: --noise spectrum (Python: record.noisy_load)"
 )
@@ -71,7 +69,7 @@ def record_verdict(
         note = f"{note}; the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
     if not record.load.noise:
         note = f"{note}; {NOISE_OF_SENSOR}"
-    lines = [_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines[:_LINES]]
+    lines = [_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines]
     agree = all(status == STATUS_CODES[verdict.status] for status, _, _ in lines)
     off = max((abs(growth - fit_growth) for _, growth, _ in lines), default=0.0)
     return replace(

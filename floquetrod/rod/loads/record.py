@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import warnings
 from collections.abc import Callable, Iterator
@@ -24,8 +25,7 @@ from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
-from floquetrod.rod.loads.record_lines import LEAST_LINE
-from floquetrod.rod.loads.record_lines import lines as lines_in
+from floquetrod.rod.loads.record_lines import LEAST_LINE, fitted_lines
 from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
 from floquetrod.tables.arguments import column_argument, delimiter_argument
 from floquetrod.units import Unit
@@ -271,9 +271,9 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def noise_spectrum(self) -> tuple[tuple[float, float], ...]:
         """Frequencies in Hz, and the one-sided spectral density there in N^2/Hz of the residual of the fit.
 
-        The power of the residual averaged over bands of 16 independent frequencies or more, 512 bands at most: each is
-        accurate to a quarter or better, and noise is taken as even within a band.  Nothing is known above half of the
-        sampling rate.
+        The power of the residual averaged over bands of 16 independent frequencies or more, in records that have so
+        many, 512 bands at most: the standard error of each is a quarter of it or less, and noise is taken as even
+        within a band.  Nothing is known above half of the sampling rate.
         """
         samples = Samples.of(self.time, self.samples)
         found = power_spectrum(samples, self._residual(samples))
@@ -295,9 +295,13 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         samples = Samples.of(self.time, self.samples)
         residual = self._residual(samples) / samples.scale
         harmonics = np.array(self.harmonic_numbers) * (self.frequency * samples.half)
-        found = lines_in(samples, residual, harmonics, LEAST_LINE * self.amplitude / samples.scale)
-        sines = ((each.amplitude * samples.scale, each.omega / samples.half, each.phase) for each in found)
-        return tuple((size, omega, (phase - omega * samples.centre) % (2.0 * math.pi)) for size, omega, phase in sines)
+        sines = []
+        for line in fitted_lines(samples, residual, harmonics, LEAST_LINE * self.amplitude / samples.scale):
+            # Re c exp(i omega tau) = abs(c) sin(omega tau + arg c + pi / 2), with tau from the middle of the record.
+            (c,), omega = line.amplitudes.tolist(), line.omega / samples.half
+            phase = (cmath.phase(c) + 0.5 * math.pi - omega * samples.centre) % (2.0 * math.pi)
+            sines.append((abs(c) * samples.scale, omega, phase))
+        return tuple(sines)
 
     def _residual(self, samples: Samples) -> NDArray[np.float64]:
         """Return the samples less the fit, in N."""
