@@ -48,6 +48,7 @@ _SPACING = 10.0  # m between depths where none are asked for (a choice)
 _MOST = 2000  # depths where none are asked for
 _CLOSE = 1e-3  # of the largest speed and vibration: waves that differ by more are computed with finer cells
 _FINER = (1, 1e-6), (4, 1e-7), (16, 1e-8)  # times as many, and their `Fineness.soft`, as long as the turns settle
+_HARDLY_FASTER = 1.3  # times the sliding speed: below, harmonics of friction may take half of a tool's gain (measured)
 _SAFETY = 3.0  # of the difference of two waves: friction beside the corner makes it fall unevenly (measured)
 
 
@@ -94,6 +95,8 @@ class MeanForce(Printed, ByContent):
         Share of ``speed`` in m/s of the faster of a tool's two frequencies; None with one frequency.
     second_vibration : ndarray (n,) or None
         Its share of ``vibration`` in N.
+    sliding : float
+        Speed in m/s at which a string that a tool vibrates slides, else 0.
     """
 
     depth: Floats
@@ -113,6 +116,7 @@ class MeanForce(Printed, ByContent):
     section: NDArray[np.intp] | None = None
     second_speed: Floats | None = None
     second_vibration: Floats | None = None
+    sliding: float = 0.0
 
     @property
     def at_top(self) -> float:
@@ -133,6 +137,15 @@ class MeanForce(Printed, ByContent):
     def is_locked(self) -> bool:
         """Whether no force at the upper end moves the string."""
         return math.isinf(self.at_top)
+
+    @property
+    def gain_is_uncertain(self) -> bool:
+        """Whether a tool moves the string faster than the string slides, but at most by 30 %.
+
+        The harmonics of friction, which are neglected, may then take half of the tool's gain or more: see
+        docs/theory/mean_force.md.
+        """
+        return bool(0.0 < self.sliding < self.speed.max() <= _HARDLY_FASTER * self.sliding)
 
     @property
     def _in_words(self) -> str:
@@ -157,6 +170,8 @@ class MeanForce(Printed, ByContent):
             lines.insert(0, ("wellhead", f"pressure and stripper add {added} of {kind} at the injector"))
         if self.end_contact:
             lines.insert(0, ("bend", bend_in_words(with_unit(self.end_contact, "N", 3))))
+        if self.gain_is_uncertain:
+            lines.append(("tool", harmonics_in_words(self)))
         return Report(self._in_words, lines, assumptions=ASSUMED)
 
     def as_dict(self) -> dict[str, Any]:
@@ -173,7 +188,8 @@ class MeanForce(Printed, ByContent):
         return super().as_dict() | ({} if self.section is None else by_keys(self, "section")) | second
 
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
-    _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N end_contact_N"
+    _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N end_contact_N "
+    _keys += "sliding_m_per_s gain_is_uncertain"
 
 
 ASSUMED = (
@@ -189,6 +205,14 @@ ASSUMED = (
 def bend_in_words(contact: str) -> str:
     """Return where the residual curvature of a string presses it to the wall, from its contact force there."""
     return f"that of the string without load presses it to the wall with {contact} at the lower end, and nowhere else"
+
+
+def harmonics_in_words(along: MeanForce) -> str:
+    """Return why what a tool gains is uncertain, of a string of which ``gain_is_uncertain`` is true."""
+    return (
+        f"it moves the string at most {along.speed.max() / along.sliding:.3g} times as fast as the string slides; of so "
+        "slow a wave the neglected harmonics of friction may take half of the tool's gain or more"
+    )
 
 
 def _depths(depth: Floats, is_so: Bools) -> str:
@@ -353,6 +377,7 @@ def _along(
         section=numbers_along(drag, depth, bottom),
         second_speed=second[0] if has_second else None,
         second_vibration=second[1] if has_second else None,
+        sliding=drag.shaking.speed if drag.shaking is not None and speed.any() else 0.0,
     )
 
 

@@ -34,6 +34,7 @@ from floquetrod.rod.answers.mean_force import (
     ASSUMED,
     MeanForce,
     bend_in_words,
+    harmonics_in_words,
     drag_of,
     force_in_newtons,
     mean_forces,
@@ -574,7 +575,8 @@ class Reach(units.InUnits, Printed, ByContent):
     def _vibration_in_words(self, shown: AnswerUnits) -> str:
         smallest, most = self.along.friction.min(), shown.force.show(self.amplitude.max(), 3)
         tool = "" if self.tool is None else f"{self.tool.in_words(shown)}: "
-        return f"{tool}the force vibrates by at most {most}, and friction falls to {smallest:.3g} at least"
+        text = f"{tool}the force vibrates by at most {most}, and friction falls to {smallest:.3g} at least"
+        return f"{text}; {harmonics_in_words(self.along)}" if self.along.gain_is_uncertain else text
 
     def _growth_in_words(self, shown: AnswerUnits) -> str:
         if np.isnan(self.growth).any():
