@@ -19,7 +19,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 # Tests marked "kernels" reach every kernel.  They run once more interpreted, where a kernel is seen to be the Python it
 # is written in and every index is checked; with `make slow` compiled with every index checked, too.
-# Four times the examples and more, of every test that draws some.
+# More examples, of every test that draws some.
 DEEP := FLOQUETROD_TEST_DEPTH=deep
 
 # Workers and child processes load what was compiled to bytecode once, whatever the shell says.

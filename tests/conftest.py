@@ -14,9 +14,9 @@ import sys
 import threading
 import time
 import zlib
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 # Before numpy is loaded: the workers of a run share the processors, and threads of small matrices only wait for each
 # other there (measured: eigenvalues of a few hundred rows twenty times slower).
@@ -27,6 +27,7 @@ import pytest
 from hypothesis import HealthCheck, is_hypothesis_test, settings
 from hypothesis.internal.conjecture import providers
 
+Case = TypeVar("Case")
 SEED = "FLOQUETROD_TEST_SEED"
 QUICK_SEED = 104031710  # of `make test`; any other does
 BITES: dict[str, tuple[int, ...]] = {}
@@ -46,6 +47,17 @@ The report's header tells how to draw them again (`FLOQUETROD_TEST_SEED`, and hy
 def depth(deep: int, quick: int) -> int:
     """Return how often to draw: the first number when the suite looks deeply, else the second."""
     return deep if DEEP else quick
+
+
+def some(cases: Iterable[Case], many: int, few: int) -> list[Case]:
+    """Return `depth(many, few)` of the cases, in their order: others in each run of `make slow`, else always the same.
+
+    For cases of seconds each: all of them stay, and which ones are tried changes from run to run.
+    """
+    every = list(cases)
+    rng = np.random.default_rng(int(os.environ.get(SEED, QUICK_SEED)))
+    chosen = rng.choice(len(every), min(depth(many, few), len(every)), replace=False)
+    return [every[i] for i in sorted(chosen)]
 
 
 # No deadline: nothing is timed.

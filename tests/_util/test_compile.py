@@ -27,7 +27,7 @@ from floquetrod.cli import common
 from floquetrod.floquet.kernels import powers
 from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.simulation import integration
-from tests.conftest import needs_jit
+from tests.conftest import needs_jit, some
 from tests.seams import Tuned
 
 ROOT = Path(__file__).parents[2]
@@ -288,7 +288,7 @@ def test_ctrl_c_while_numba_compiles_ends_it(delay: float, tmp_path: Path) -> No
 
 @pytest.mark.slow
 @needs_jit
-@pytest.mark.parametrize("delay", np.linspace(0.05, 2.5, 25))
+@pytest.mark.parametrize("delay", some(np.linspace(0.05, 2.5, 25), 9, 5))
 def test_ctrl_c_ends_a_command_that_compiles(delay: float, tmp_path: Path) -> None:
     program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n" + (
         "from floquetrod.cli import main; print('ready', flush=True); sys.exit(main())"

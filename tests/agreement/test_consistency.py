@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.rod import StabilityInterval
+from tests.conftest import depth
 from tests.fuzz import consistency, rods
 from tests.strategies import decades, numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 QUICK = settings(max_examples=2)
-SLOW = settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=depth(30, 10), suppress_health_check=[HealthCheck.too_slow])
 
 
 @st.composite

@@ -26,8 +26,9 @@ def test_what_is_cheap_answers_as_it_did(rng: np.random.Generator) -> None:
 
 
 @pytest.mark.slow
-def test_everything_answers_as_it_did() -> None:
-    assert corpus.main(["compare"]) == 0
+@pytest.mark.parametrize("what", [["--interface"], *(["--only", name] for name in KINDS)], ids=lambda words: words[-1])
+def test_everything_answers_as_it_did(what: list[str]) -> None:
+    assert corpus.main(["compare", *what]) == 0
 
 
 def test_every_kind_is_kept_as_often_as_the_table_says() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from tests.conftest import DEEP, depth
+from tests.conftest import depth, some
 
 EXAMPLES = Path(__file__).parents[2] / "floquetrod/examples"
 SURVEY = "MD (m),Inc (deg),Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n2000,90,0\n"
@@ -67,7 +67,7 @@ def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], caps
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [*range(8), 10] if DEEP else [10])
+@pytest.mark.parametrize("seed", [*some(range(8), 2, 0), 10])
 def test_the_terminal_and_python_reach_the_same(seed: int, line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     """Drawn friction, tool, speed of sliding, push, force at the bit and share of yield, in the units of people."""
     rng = np.random.default_rng([48, 4, seed])

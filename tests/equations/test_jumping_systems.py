@@ -676,7 +676,7 @@ def drawn(rng: np.random.Generator) -> fr.HillSystem | fr.PeriodicSystem:
 
 @pytest.mark.slow
 def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator) -> None:
-    for _ in range(depth(150, 8)):
+    for _ in range(depth(50, 8)):
         system = drawn(rng)
         truth = true_multipliers(system)
         size = max(map(abs, truth))
@@ -700,7 +700,7 @@ def cut(rng: np.random.Generator, period: float, count: int) -> list[float]:
 @pytest.mark.slow
 def test_a_series_cut_into_pieces_is_the_same_system(rng: np.random.Generator) -> None:
     """One path has the period as its piece, the other breaks anywhere: maps, many digits, proofs and solutions."""
-    for _ in range(depth(60, 5)):
+    for _ in range(depth(20, 5)):
         n, period = int(rng.integers(1, 4)), float(rng.choice([1.5, 3.0, 6.0]))
         first = rng.random() < 0.4
         matrices = 0.5 * rng.normal(size=(5, n, n))

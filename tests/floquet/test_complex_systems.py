@@ -151,7 +151,7 @@ def test_drawn_systems(unitary: bool, rng: np.random.Generator) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("unitary", [True, False])
 def test_many_drawn_systems(unitary: bool, rng: np.random.Generator) -> None:
-    check(rng, unitary=unitary, count=250)
+    check(rng, unitary=unitary, count=depth(100, 60))
 
 
 def check(rng: np.random.Generator, *, unitary: bool, count: int) -> None:

@@ -136,7 +136,7 @@ def test_what_leaves_the_range_of_doubles_has_infinite_errors() -> None:
 )
 def test_batches_answer_as_the_maps_of_each_system(n: int, form: dict[str, float]) -> None:
     rng = np.random.default_rng(5)
-    kinds = [KINDS[i % len(KINDS)] for i in range(depth(2000, 72))]
+    kinds = [KINDS[i % len(KINDS)] for i in range(depth(720, 72))]
     first = np.array([symmetric(rng, n, kind) for kind in kinds])
     second = np.array([symmetric(rng, n, "mild") for _ in kinds])
     length = rng.uniform(0.5, 1.5, (2, len(kinds)))

@@ -230,7 +230,7 @@ def test_long_delays_drawn_are_counted_as_they_are_found() -> None:
 
 @pytest.mark.slow
 def test_many_long_delays_drawn() -> None:
-    count = 80
+    count = depth(40, 20)
     statuses = check_long(count, 4)
     assert min(statuses["stable"], statuses["unstable"]) > statuses["undecided"], statuses
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from tests.conftest import depth
 from tests.floquet.test_delays import delayed_mathieu, hayes
 from tests.floquet.test_long_delays import drawn
 
@@ -144,5 +145,5 @@ def test_drawn_systems() -> None:
 
 @pytest.mark.slow
 def test_many_drawn_systems() -> None:
-    count = 80
+    count = depth(30, 15)
     assert check_drawn(count, 4) > 0.9 * count

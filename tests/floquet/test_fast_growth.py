@@ -42,7 +42,7 @@ def test_fast_growth_of_a_system_without_symmetry() -> None:
 @pytest.mark.parametrize("waveform", ["sine", (1.0, 0.3 + 0.4j)])
 def test_pressed_tubing_is_unstable_as_simple_marching_says(waveform: str | tuple[complex, ...]) -> None:
     rng = np.random.default_rng(7)
-    for _ in range(depth(20, 5)):
+    for _ in range(depth(8, 5)):
         low = float(rng.uniform(1.0, 1.4))
         path = fr.WellPath.arc(length=150.0, inclination=(low, low - 0.1))
         ends = str(rng.choice(["hinged", "clamped", "hinged-clamped"]))

@@ -13,6 +13,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.floquet.multipliers import delay_series
 from floquetrod.floquet.multipliers.delay_series import DelaySeries
+from tests.conftest import depth
 
 TURN = 2.0 * math.pi
 
@@ -213,7 +214,7 @@ def test_drawn_systems_have_the_multipliers_of_collocation() -> None:
 
 @pytest.mark.slow
 def test_many_drawn_systems_have_the_multipliers_of_collocation() -> None:
-    count = 80
+    count = depth(50, 50)
     stable, undecided = check_against_collocation(count, 54)
     assert 0.2 * count < stable < 0.9 * count
     assert undecided <= 0.02 * count

@@ -39,7 +39,7 @@ def test_growth_is_that_of_all_moments() -> None:
 
 @pytest.mark.slow
 def test_growth_is_that_of_all_moments_of_many_systems() -> None:
-    check(depth(150, 40), 2, 4)
+    check(depth(60, 40), 2, 4)
 
 
 def test_growth_without_noise_is_twice_that_of_solutions() -> None:

@@ -250,9 +250,9 @@ def test_ten_thousand_paths_have_the_second_moments() -> None:
 
 @pytest.mark.slow
 def test_random_systems_have_the_moments_of_kronecker_products() -> None:
-    rng = np.random.default_rng(6)
+    rng, count = np.random.default_rng(6), depth(100, 60)
     wrong, decided = 0, 0
-    for _ in range(depth(200, 60)):
+    for _ in range(count):
         n, period = int(rng.integers(1, 4)), float(rng.uniform(1.0, 4.0))
         a, b, c = (rng.normal(scale=scale, size=(n, n)) for scale in (0.6, 0.4, 0.4))
         a -= rng.uniform(0.0, 1.5) * np.eye(n)
@@ -266,7 +266,7 @@ def test_random_systems_have_the_moments_of_kronecker_products() -> None:
         decided += verdict.status != "undecided"
         wrong += (verdict.status == "stable" and rate > 1e-8) or (verdict.status == "unstable" and rate < -1e-8)
     assert wrong == 0
-    assert decided > 0.9 * depth(200, 60)
+    assert decided > 0.9 * count
 
 
 @pytest.mark.parametrize(

@@ -86,19 +86,23 @@ def integrated(d: float, e1: float, e2: float, ratio: float, periods: int) -> fl
     """
     steps = 64
     h = 2.0 * math.pi / steps
-    state, logs = np.array([1.0, 0.3]), np.empty(periods)
+    x, v, logs = 1.0, 0.3, np.empty(periods)
     for period in range(periods):
-        for i in range(steps):
-            t = (period * steps + i) * h
-            k0, k1, k2 = (-(d + e1 * math.cos(u) + e2 * math.cos(ratio * u)) for u in (t, t + 0.5 * h, t + h))
-            x, v = state
-            a1 = (v, k0 * x)
-            a2 = (v + 0.5 * h * a1[1], k1 * (x + 0.5 * h * a1[0]))
-            a3 = (v + 0.5 * h * a2[1], k1 * (x + 0.5 * h * a2[0]))
-            a4 = (v + h * a3[1], k2 * (x + h * a3[0]))
-            state = state + h / 6.0 * np.array([a1[j] + 2.0 * a2[j] + 2.0 * a3[j] + a4[j] for j in (0, 1)])
-        size = math.hypot(*state)
-        logs[period], state = math.log(size), state / size
+        t = 0.5 * h * np.arange(2 * steps * period, 2 * steps * (period + 1) + 1)
+        k = (-(d + e1 * np.cos(t) + e2 * np.cos(ratio * t))).tolist()
+        for i in range(0, 2 * steps, 2):
+            k0, k1, k2 = k[i : i + 3]
+            a1 = k0 * x
+            v2 = v + 0.5 * h * a1
+            a2 = k1 * (x + 0.5 * h * v)
+            v3 = v + 0.5 * h * a2
+            a3 = k1 * (x + 0.5 * h * v2)
+            v4 = v + h * a3
+            a4 = k2 * (x + h * v3)
+            x += h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
+            v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+        size = math.hypot(x, v)
+        logs[period], x, v = math.log(size), x / size, v / size
     u = (np.arange(periods) + 0.5) / periods
     weights = np.exp(-1.0 / (u * (1.0 - u)))
     return float(weights @ logs / weights.sum()) / (2.0 * math.pi)

@@ -13,6 +13,7 @@ from floquetrod.equations.hill_system import restricted
 from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.multipliers.resonating_modes import resonating
 from floquetrod.floquet.status import STATUS_CODES
+from tests.conftest import depth
 from tests.coupled_cases import TUBING
 from tests.inside import Load, Loads
 
@@ -117,7 +118,7 @@ def drawn(seed: int) -> tuple[fr.Rod, Load]:
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(1000, 1004), pytest.param(range(1004, 1060), marks=pytest.mark.slow)], ids=["some", "many"]
+    "seeds", [range(1000, 1004), pytest.param(range(1004, 1020), marks=pytest.mark.slow)], ids=["some", "many"]
 )
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore::floquetrod.ForcedAngleWarning")
 def test_arrays_of_loads_say_what_all_modes_do(seeds: range) -> None:
@@ -156,7 +157,7 @@ def found_fewer(system: fr.HillSystem) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "seeds", [range(16), pytest.param(range(16, 400), marks=pytest.mark.slow)], ids=["some", "many"]
+    "seeds", [range(16), pytest.param(range(16, depth(136, 64)), marks=pytest.mark.slow)], ids=["some", "many"]
 )
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore::floquetrod.ForcedAngleWarning")
 def test_the_verdict_on_a_string_is_that_of_all_its_modes(seeds: range) -> None:

@@ -67,7 +67,7 @@ def asked(question: Callable[[], list[bytes]], rng: np.random.Generator, calls: 
 @pytest.mark.parametrize("kind", SYSTEMS)
 def test_the_same_input_has_the_same_bits(kind: str, n: int, tuned: Tuned, rng: np.random.Generator) -> None:
     as_new(tuned)
-    assert len(asked(lambda: bits(fr.stability(SYSTEMS[kind](n))), rng, _CALLS if n < 8 else depth(60, 15))) == 1
+    assert len(asked(lambda: bits(fr.stability(SYSTEMS[kind](n))), rng, _CALLS if n < 8 else depth(30, 15))) == 1
 
 
 @pytest.mark.slow

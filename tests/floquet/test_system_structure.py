@@ -116,7 +116,7 @@ def test_one_equation_with_heavy_damping_is_the_scalar_one() -> None:
 @pytest.mark.slow
 def test_heavy_damping_of_several_equations() -> None:
     rng = np.random.default_rng(9)
-    for _ in range(depth(40, 3)):
+    for _ in range(depth(12, 3)):
         n = int(rng.integers(2, 5))
         half = rng.normal(size=(n, n))
         stiffness, wave = half @ half.T + np.eye(n), rng.normal(size=(n, n))
@@ -148,7 +148,7 @@ def skew(rng: np.random.Generator, n: int) -> np.ndarray:
 @pytest.mark.slow
 def test_skew_symmetric_systems_are_stable_by_every_door() -> None:
     rng = np.random.default_rng(1)
-    for _ in range(depth(60, 4)):
+    for _ in range(depth(20, 4)):
         n = int(rng.integers(2, 7))
         waves = [skew(rng, n) for _ in range(int(rng.integers(0, 3)))]
         system = fr.PeriodicSystem(skew(rng, n), waves, waves[:1], period=float(rng.uniform(0.5, 8.0)))

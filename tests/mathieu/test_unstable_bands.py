@@ -64,7 +64,7 @@ QUESTIONS = given(
 
 
 @pytest.mark.slow
-@settings(max_examples=depth(40, 4), deadline=None)
+@settings(max_examples=depth(16, 4), deadline=None)
 @QUESTIONS
 def test_nothing_grows_faster_than_said(
     varied: str, modes: float, mean: float, amplitude: float, speed: float, damping: float, power: float

@@ -11,7 +11,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.milling.stability_lobes import critical_depths, judged
-from tests.conftest import DEEP, depth
+from tests.conftest import DEEP, depth, some
 from tests.milling.semi_discretisation import Cut, growth_in_a_turn
 
 MODE = fr.ToolMode("922Hz", 0.011, mass="39.93g")
@@ -109,8 +109,8 @@ def test_drawn_cutters_grow_as_a_semi_discretisation_says() -> None:
 @pytest.mark.slow
 def test_a_hundred_drawn_cutters_grow_as_a_semi_discretisation_says() -> None:
     rng = np.random.default_rng(541)
-    for _ in range(100):
-        require_agreement(*drawn(rng))
+    for cutter in some([drawn(rng) for _ in range(100)], 33, 10):
+        require_agreement(*cutter)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from tests.conftest import some
 
 Floats = NDArray[np.float64]
 
@@ -153,7 +154,7 @@ def check(orbit: fr.results.PeriodicOrbit) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("tens", range(20))
+@pytest.mark.parametrize("tens", some(range(20), 6, 2))
 def test_random_forced_systems(tens: int) -> None:
     drawn_ones = [drawn(seed) for seed in range(10 * tens, 10 * tens + 10)]
     orbits = [orbit for orbit in (found(*each) for each in drawn_ones) if orbit is not None]
@@ -163,7 +164,7 @@ def test_random_forced_systems(tens: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fives", range(6))
+@pytest.mark.parametrize("fives", some(range(6), 2, 1))
 def test_random_oscillators_that_excite_themselves(fives: int) -> None:
     for seed in range(5 * fives, 5 * fives + 5):
         rng = np.random.default_rng(seed)

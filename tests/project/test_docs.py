@@ -20,7 +20,7 @@ from typing import Any
 import pytest
 
 import floquetrod as fr
-from tests.conftest import depth
+from tests.conftest import some
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -184,7 +184,7 @@ def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str)
     text = (DOCS / page).read_text(encoding="utf-8")
     code, every = cells(text), [row[1:] for row in MISTAKES if row[0] == page]
     assert all(text.count(right) == 1 for right, _ in every)
-    left = every[: depth(len(every), 1)]
+    left = some(every, (len(every) + 1) // 2, 1)
     with namespace() as names:
         for number, cell in enumerate(code):
             for right, wrong in [mistake for mistake in left if mistake[0] in cell]:
@@ -517,9 +517,7 @@ def test_what_did_not_change_is_not_executed_again(tmp_path: Path) -> None:
     first = said()
     build(tmp_path, page, example)
     assert said() == first
-    build(tmp_path, page + "\nMore.\n", example)
-    assert said() == first
-    build(tmp_path, page, example.replace("print", "print  "))
+    build(tmp_path, page + "\nMore.\n", example.replace("print", "print  "))
     assert [now == then for now, then in zip(said(), first, strict=True)] == [True, False]
     with (tmp_path / "docs/thumbnails.py").open("a", encoding="utf-8") as file:
         file.write("\nMORE = 1\n")

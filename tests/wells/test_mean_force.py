@@ -223,7 +223,7 @@ def drawn_resonance(seed: int) -> tuple[float, ...]:
     [
         pytest.param(RESONANCES[:1], False, marks=pytest.mark.slow),
         (RESONANCES[1:], False),
-        pytest.param([drawn_resonance(seed) for seed in range(120)], True, marks=pytest.mark.slow),
+        pytest.param([drawn_resonance(seed) for seed in range(depth(36, 12))], True, marks=pytest.mark.slow),
     ],
 )
 def test_next_to_an_axial_resonance_the_speed_is_that_of_much_finer_cells(

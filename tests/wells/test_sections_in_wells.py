@@ -19,6 +19,7 @@ from scipy.optimize import fsolve
 import floquetrod as fr
 from floquetrod.cli.main import main
 from tests.conftest import depth as depth_of_draws
+from tests.conftest import some
 
 STEEL = {"youngs_modulus": 2.07e11, "density": 7850.0}
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
@@ -128,7 +129,7 @@ def drawn(seed: int) -> Drawn:
     "seeds", [range(depth_of_draws(24, 3)), pytest.param(range(24, 500), marks=pytest.mark.slow)], ids=str
 )
 def test_a_string_is_the_chain_of_its_uniform_parts(seeds: range) -> None:
-    for seed in seeds:
+    for seed in some(seeds, 40, 24):
         string = drawn(seed)
         for bottom in (string.well.end, 0.63 * string.well.end):
             chain = string.chain(bottom)
@@ -180,7 +181,7 @@ def test_equal_sections_are_a_uniform_rod_to_the_bit() -> None:
 )
 def test_a_reach_is_the_deepest_depth_to_which_a_string_goes_through_all_before(seeds: range) -> None:
     """Forces at depths by the mean force, and the reach by a search over many depths, for lock-up and the push."""
-    for seed in seeds:
+    for seed in some(seeds, 5, 2):
         string = drawn(4 * seed)  # pushed
         push = [20e3, None][seed % 2]
         depths = np.linspace(0.05, 1.0, 12) * string.well.end

@@ -116,7 +116,7 @@ def test_dense_scans_of_random_rods(modes: float, mean: float, amplitude: float,
 
 
 @pytest.mark.slow
-@settings(max_examples=depth(80, 20))
+@settings(max_examples=depth(40, 20))
 @RODS_AND_LOADS
 def test_dense_scans_of_many_random_rods(
     modes: float, mean: float, amplitude: float, speed: float, power: float
@@ -190,17 +190,17 @@ def test_a_margin_beyond_a_stable_range_would_be_found(monkeypatch: pytest.Monke
 
 
 @pytest.mark.slow
-def test_six_hundred_damped_and_tolerant_ranges_against_dense_scans() -> None:
+def test_three_hundred_damped_and_tolerant_ranges_against_dense_scans() -> None:
     partial = 0
 
-    @settings(max_examples=200)
+    @settings(max_examples=100)
     @DAMPED
     def scan(size: float, mean: float, amplitude: float, speed: float, damping: float, tolerance: float) -> None:
         nonlocal partial
         partial += scan_a_damped_rod(size, mean, amplitude, speed, damping, tolerance)
 
     scan()
-    assert partial > 142  # most questions must have something to miss
+    assert partial > 71  # most questions must have something to miss
 
 
 def test_a_band_that_starts_below_its_damping() -> None:

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 import floquetrod as fr
 from floquetrod.cli import main
+from tests.conftest import some
 from tests.rod.modes.test_two_frequencies import FCR, GOLDEN, OMEGA, ROD, TWO, drawn
 
 FEW = range(1, 9)
@@ -84,7 +85,7 @@ def integrated(rod: fr.Rod, load: fr.AxialLoad, count: int, periods: int) -> flo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", [*some(range(0, 20, 2), 3, 1), *some(range(1, 20, 2), 3, 1)])
 def test_coupled_modes_grow_as_in_long_integrations(seed: int) -> None:
     rod, load = drawn(np.random.default_rng(1000 + seed))
     rod = rod.replace(ends="clamped") if seed % 2 else rod.replace(inclination=f"{40 + 2 * seed}deg")
