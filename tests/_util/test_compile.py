@@ -277,6 +277,7 @@ def test_ctrl_c_where_numba_forgets_exceptions_is_heard_and_compiling_can_be_tri
     assert (run.stdout, run.stderr) == (f"heard\n{ANSWER} 1 True\n", "")
 
 
+@pytest.mark.slow
 @needs_jit
 @pytest.mark.parametrize("delay", [0.4, *(pytest.param(delay, marks=pytest.mark.slow) for delay in (0.0, 1.1))])
 def test_ctrl_c_while_numba_compiles_ends_it(delay: float, tmp_path: Path) -> None:
@@ -446,6 +447,7 @@ def test_processes_that_start_together_compile_once(tmp_path: Path) -> None:
     assert len(kept(tmp_path)) == 1
 
 
+@pytest.mark.slow
 def test_nobody_waits_for_ever_for_a_process_that_compiles(tmp_path: Path, tuned: Tuned) -> None:
     tuned(seconds_for_another_to_compile=0.3)
     asked: list[None] = []

@@ -84,7 +84,9 @@ MADE: dict[str, Callable[[], Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("EscapeRanges", "Comparison"))) for name in MADE]
+)
 def test_equal_content_is_equal(name: str) -> None:
     one, other = MADE[name](), MADE[name]()
     for twin in (one, other, pickle.loads(pickle.dumps(one)), copy.deepcopy(one)):

@@ -316,6 +316,7 @@ def test_thousands_of_damaged_files(kinds: Any, tmp_path: Path, rng: np.random.G
     attack(kinds, tmp_path / "file", rng, 5000, forged=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.2, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_no_byte_of_a_chart_can_change(kinds: Any, tmp_path: Path, rng: np.random.Generator, part: float) -> None:
     whole, load, _ = kinds["chart"]

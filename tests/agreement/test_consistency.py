@@ -50,6 +50,7 @@ def check(question: rods.Question, parts: tuple[str, ...]) -> None:
     assert not found, "\n".join(found)
 
 
+@pytest.mark.slow
 @QUICK
 @given(questions())
 def test_ranges_and_verdicts_agree(question: rods.Question) -> None:
@@ -68,6 +69,7 @@ def test_damping_that_stabilises_does(question: rods.Question) -> None:
     check(question, ("damping",))
 
 
+@pytest.mark.slow
 @settings(max_examples=1)
 @given(questions())
 def test_the_terminal_and_the_library_agree(question: rods.Question) -> None:

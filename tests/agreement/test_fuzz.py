@@ -63,6 +63,7 @@ LONG = (
     "systems",
     "ranges",
     "files",
+    "verdicts",
 )
 """Attacks that take a second and more."""
 
@@ -92,6 +93,7 @@ def test_the_calls_that_junk_starts_from_are_answered() -> None:
 # The oracle.
 
 
+@pytest.mark.slow
 def test_the_oracle_and_thirty_digits_agree(rng: np.random.Generator) -> None:
     alpha, mean = rng.uniform(0.0, 5.0, 4), rng.uniform(-6.0, 2.0, 4)
     bounds = oracle.growth(alpha, mean)

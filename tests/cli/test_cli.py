@@ -165,6 +165,7 @@ def test_a_bound_of_zero_is_said_to_prove_nothing(monkeypatch: pytest.MonkeyPatc
     assert "proved    nothing for any kick, however small" in str(result.report())
 
 
+@pytest.mark.slow
 def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "50mm/s"]) == 0
     out = capsys.readouterr().out
@@ -418,6 +419,7 @@ def test_a_reader_that_stops_early_is_no_error() -> None:
     assert run.wait() == 0
 
 
+@pytest.mark.slow
 def test_a_cold_verdict_loads_no_compiler() -> None:
     code = "import sys, floquetrod as fr; rod = fr.Rod.nitinol(); load = fr.AxialLoad(0.34, 0.34, 150.0)"
     run = python("-c", f"{code}; print(rod.stability(load).status, *sys.modules)")
@@ -430,7 +432,8 @@ LONG = (
     "ensemble_phase_diagram", "ensemble_probability", "helical_buckling", "real_lengths", "simulation_tubing",
     "systems_coupled", "uncertainty", "vibration_and_drag", "real_guidewire", "real_inclined", "thin_tongues",
     "friction", "real_clamped", "systems_ground", "orbit_duffing", "orbit_van_der_pol", "orbit_period_doubling",
-    "well_bends", "systems_noise", "milling_lobes", "milling_variable_pitch", "systems_damping",
+    "well_bends", "systems_noise", "milling_lobes", "milling_variable_pitch", "systems_damping", "systems_beam",
+    "force_record", "my_rod", "tapered_string",
     "simulation", "rod_backbone", "simulation_stepped_load", "rod_not_straight", "systems_bands",
 )  # fmt: skip
 """Examples of many runs or verdicts, which `make slow` and `make docs` run."""

@@ -58,6 +58,7 @@ def test_the_example_is_the_chart_of_the_same_function(capsys: pytest.CaptureFix
     assert not chart.stable.all()
 
 
+@pytest.mark.slow
 def test_bands_are_found_unless_pixels_are_wanted(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     vertices = tmp_path / "bands.csv"
     columns, rows = depth(13, 7), depth(7, 4)

@@ -294,6 +294,7 @@ def test_long_tables_are_cut(tmp_path: Path, capsys: pytest.CaptureFixture[str],
 # --- stores ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_store_is_continued_as_in_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, store = written(tmp_path), str(tmp_path / "runs.npz")
     first = answer(capsys, path, "--store", store)
@@ -332,6 +333,7 @@ def interrupted_after(monkeypatch: pytest.MonkeyPatch, number: int, runs: int) -
     monkeypatch.setattr(waiting.Waiting, "__call__", report)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_signals_keep_what_came(

@@ -104,6 +104,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["map", pytest.param("studies", marks=pytest.mark.slow)])
 def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_path: Path) -> None:
     big = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200", "--points", "4900x4900"]
@@ -142,7 +143,7 @@ READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier", "star
 WRITING = ["check", "map", "chart", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]
 """Commands that write files."""
 
-LONG = {"chart", "explore", "ensemble", "reach", "weights", "lobes"}
+LONG = {"chart", "explore", "ensemble", "reach", "weights", "lobes", "simulate", "map"}
 """Commands whose questions take longest: all write by one rule."""
 
 

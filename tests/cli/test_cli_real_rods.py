@@ -402,6 +402,7 @@ def test_what_coupled_modes_do_not_have(arguments: list[str], message: str, caps
     assert re.search(message, refused(capsys, "check", "--rod", WIRE, *PUSH, *arguments))
 
 
+@pytest.mark.slow
 def test_independent_modes_draw_the_sine_that_grows_and_keep_the_verdict_where_none_does(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -462,6 +463,7 @@ def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
         assert [word for word in words if word not in text] == []
 
 
+@pytest.mark.slow
 def test_margins_of_a_record_wait_until_they_are_asked_for_and_its_frequency_is_in_hertz(
     record: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

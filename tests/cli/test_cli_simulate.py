@@ -71,6 +71,7 @@ def test_what_does_not_grow_has_not_buckled(capsys: pytest.CaptureFixture[str]) 
     assert (record["growing"], record["buckles_at_about_s"]) == (False, None)
 
 
+@pytest.mark.slow
 def test_json_says_what_the_library_finds(capsys: pytest.CaptureFixture[str]) -> None:
     record = answer(capsys, "--kick", "7:0.1mm/s")
     rod = fr.Rod.nitinol()

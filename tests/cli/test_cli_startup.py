@@ -63,7 +63,7 @@ def test_what_is_about_no_command_imports_none(arguments: list[str]) -> None:
             {"rod", "simulation", "ensembles", "explorer", "friction"},
             marks=pytest.mark.slow,
         ),
-        ("simulate --help", {"ensembles", "explorer"}),
+        pytest.param("simulate --help", {"ensembles", "explorer"}, marks=pytest.mark.slow),
     ],
 )
 def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:
@@ -79,6 +79,7 @@ def test_one_equation_by_every_method_compiles_nothing() -> None:
     assert "numba" not in loaded_after("compare", "--a", "1.2", "--q", "0.9", "--damping", "0.1")
 
 
+@pytest.mark.slow
 def test_a_check_of_a_rod_imports_what_it_uses() -> None:
     """Neither drawing nor records, systems or maps of many equations, nor numpy's masked arrays, which cost time."""
     loaded = loaded_after(*CHECK.removesuffix(" --no-margins").split())

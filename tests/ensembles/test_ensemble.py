@@ -192,6 +192,7 @@ def test_failures_are_recorded_and_stop_nothing(monkeypatch: pytest.MonkeyPatch)
     assert ragged.status.values.tolist() == [1, 2]
 
 
+@pytest.mark.slow
 def test_parts_are_disjoint_and_make_the_whole() -> None:
     whole = undisturbed()
     status = np.zeros(whole.status.shape, dtype=int)

@@ -220,6 +220,7 @@ kick = ["20mm/s", "100mm/s"]
 """
 
 
+@pytest.mark.slow
 def test_python_a_study_and_the_terminal_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import json
 

@@ -30,7 +30,7 @@ def _saved_at_once(tuned: Tuned) -> None:
     tuned(seconds_between_saves_of_stores=0.0, durations_between_saves_of_stores=0.0)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["runs.npz", pytest.param("runs.zarr", marks=pytest.mark.slow)])
 def test_a_store_continues_where_it_was(kind: str, tmp_path: Path) -> None:
     whole = undisturbed(depth, frames=True)
     place, made = tmp_path / kind, 0
@@ -90,6 +90,7 @@ def test_another_version_is_refused(kind: str, tmp_path: Path, tuned: Tuned) -> 
         fr.ensemble(PROBLEM, {"seed": [1]}, store=tmp_path / kind)
 
 
+@pytest.mark.slow
 def test_another_summary_is_refused(tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     fr.ensemble(PROBLEM, OVER, store=place, summary=depth, progress=Stopped(5))
@@ -111,6 +112,7 @@ def test_what_is_no_store_is_left_alone(tmp_path: Path) -> None:
     assert (folder / "notes").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_zarr_store_is_an_ordinary_dataset(tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     found = fr.ensemble(PROBLEM, OVER, store=place, summary=depth, frames=True)
@@ -235,6 +237,7 @@ def test_without_locks_a_finished_file_is_taken_over(tmp_path: Path, monkeypatch
     assert_same(Runs.load(place), whole)
 
 
+@pytest.mark.slow
 def test_a_file_of_another_study_that_appears_meanwhile_is_left_alone(tmp_path: Path) -> None:
     place, other = tmp_path / "runs.npz", tmp_path / "other.npz"
     fr.ensemble(PROBLEM, {"seed": [7]}, store=other)
@@ -336,8 +339,8 @@ def test_a_store_continues_where_only_runs_are_left_that_fail(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("name", "damage"),
     [
-        # Each array once, each damage to the status, and all to all under `make slow`.
-        pytest.param(name, damage, marks=[pytest.mark.slow] * (name != "status" and i != k))
+        # Each array and each damage once, and all to all under `make slow`.
+        pytest.param(name, damage, marks=[pytest.mark.slow] * (i != (k + 2) % 4))
         for i, name in enumerate(["status", "largest_angle", "buckled", "positions"])
         for k, damage in enumerate(["cut", "empty", "flip", "gone"])
     ],

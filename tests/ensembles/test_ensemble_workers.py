@@ -175,6 +175,7 @@ class Breaking(Executor):
         return task
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "way", ["submit", "broken", *(pytest.param(way, marks=pytest.mark.slow) for way in ("cancelled", "other"))]
 )

@@ -26,6 +26,7 @@ def drawn(rng: np.random.Generator, size: float) -> tuple[Any, Any, Any]:
     return mean, cosine, sine
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [1.7, *(pytest.param(turns * TURN, marks=pytest.mark.slow) for turns in (2.0, 6.0))])
 def test_functions_and_tables_have_the_multipliers_of_the_series(delay: float) -> None:
     rng = np.random.default_rng(int(delay))

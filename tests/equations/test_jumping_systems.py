@@ -159,8 +159,11 @@ def methods_of(system: Any) -> list[str]:
 
 # --- every method, comparison and proof -------------------------------------------------------------------------------
 
+LONG = ("waves", "ramps", "heavy", "uniformly damped")
+"""Systems that take longest, and those of which another has as much."""
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in MADE])
 def test_every_method_finds_the_multipliers_of_the_product_of_exponentials(name: str) -> None:
     system, compared = MADE[name], fr.compare(MADE[name])
     truth = true_multipliers(system)
@@ -252,6 +255,7 @@ class Ramped(Alternating):
         )
 
 
+@pytest.mark.slow
 @given(
     kind=st.sampled_from([fr.Meissner, Steps, Ramped]),
     alpha=st.floats(-1.5, 1.5, allow_subnormal=False),
@@ -298,7 +302,7 @@ def test_solve_follows_from_jump_to_jump(name: str) -> None:
     assert all(np.abs(solution.time - instant).min() < 1e-14 for instant in breaks)
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in MADE])
 def test_floquet_solutions_gain_their_multiplier_in_a_period(name: str) -> None:
     system = MADE[name]
     found = fr.floquet_solutions(system)

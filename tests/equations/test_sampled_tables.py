@@ -49,7 +49,7 @@ def test_unequal_instants_have_larger_errors() -> None:
     assert missed <= system.coefficient_error < 0.01
 
 
-@pytest.mark.parametrize("equal", [True, False])
+@pytest.mark.parametrize("equal", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_stated_errors_cover_drawn_tables(equal: bool) -> None:
     """Harmonics that a table does not show cannot be foreseen: of 1,200 drawn 2 % were missed, by 4.4 times at most."""
     rng, fine, missed = np.random.default_rng(3), np.linspace(0.0, TURN, 301), []

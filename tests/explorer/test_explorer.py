@@ -112,6 +112,7 @@ def test_the_window_follows_its_sliders(explorer: fr.Explorer) -> None:
     assert np.array_equal(after, pixels(explorer))
 
 
+@pytest.mark.slow
 def test_sliders_and_axes_speak_the_units_asked_for() -> None:
     shown = fr.Explorer(ROD, fr.AxialLoad(0.2 * UNIT, 0.3, 150.0), {"mean": "Fcr", "frequency": "Hz"})
     sliders, hertz = shown.window.sliders, 2.0 * math.pi
@@ -248,6 +249,7 @@ def test_loads_that_cannot_be_judged_are_shown_so() -> None:
     assert (status.tolist(), np.isnan(growth).tolist()) == ([-1], [True])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "load",
     [
@@ -387,6 +389,7 @@ def test_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureFix
 OTHER_SIZES = (3.9, 10.14), (7.9, 10.14), (8.0, 5.6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "size", [(3.2, 10.14), *(pytest.param(size, marks=pytest.mark.slow) for size in ((11.0, 7.0), *OTHER_SIZES))]
 )

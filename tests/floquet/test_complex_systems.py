@@ -226,6 +226,7 @@ def test_charts_take_families_that_are_complex_in_places() -> None:
 # --- systems that keep the norm --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_equal_energies_cost_no_digits() -> None:
     copies = fr.PeriodicSystem(np.kron(np.eye(3), -0.5j * SZ), cosines=[np.kron(np.eye(3), -0.25j * SX)])
     for result in fr.compare(copies).results:

@@ -90,7 +90,7 @@ def interpreted(fill: Any, matrices: Any, length: Any, uncertainty: Any) -> tupl
 
 
 @pytest.mark.kernels
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@pytest.mark.parametrize("n", [1, 2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 4))])
 def test_discs_hold_the_multipliers_in_many_digits(n: int) -> None:
     rng = np.random.default_rng(n)
     relative = []

@@ -129,9 +129,10 @@ def test_what_leaves_the_range_of_doubles_has_infinite_errors() -> None:
     "form",
     [
         {},
-        {"damping": 0.2},
-        {"mass": 2.0},
-        {"coefficient_error": 1e-7},
+        *(
+            pytest.param(form, marks=pytest.mark.slow)
+            for form in ({"damping": 0.2}, {"mass": 2.0}, {"coefficient_error": 1e-7})
+        ),
     ],
 )
 def test_batches_answer_as_the_maps_of_each_system(n: int, form: dict[str, float]) -> None:

@@ -58,6 +58,7 @@ SYSTEMS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[pytest.mark.slow] * (name != "one period")) for name in SYSTEMS],
@@ -88,6 +89,7 @@ def test_a_mode_of_constant_coefficients_is_an_exponential() -> None:
         assert mode(1.7, 1) == pytest.approx(s * mode(1.7), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_equal_oscillators_have_as_many_solutions_as_one_each() -> None:
     one = SYSTEMS["ten periods"]
     two = np.eye(2)

@@ -13,6 +13,7 @@ from floquetrod.mathieu.tongue_intervals import along_mean
 RANDOM = np.random.default_rng(3)
 
 
+@pytest.mark.slow
 def test_undamped_margins_in_the_mean_end_at_the_next_transition_curves() -> None:
     for a, q in RANDOM.uniform((-5.0, 0.5), (20.0, 6.0), (15, 2)).tolist():
         curves = np.sort(

@@ -14,7 +14,7 @@ FAST = [[-800.0, 30.0], [30.0, 5.0]]
 WAVE = [[90.0, 4.0], [4.0, 3.0]]
 
 
-@pytest.mark.parametrize("method", ["half_period", "monodromy"])
+@pytest.mark.parametrize("method", ["monodromy", pytest.param("half_period", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("scale", [1.0, pytest.param(4.0, marks=pytest.mark.slow)])
 def test_fast_growth_is_decided_beside_rounded_coefficients(method: str, scale: float) -> None:
     system = fr.HillSystem(scale * np.array(FAST), [scale * np.array(WAVE)], mass=MASS, period=3.0)

@@ -60,6 +60,7 @@ def beside(few: fr.HillSystem, n: int = 210) -> fr.HillSystem:
     return fr.HillSystem(stiffness, [cosine], [sine], period=few.period)
 
 
+@pytest.mark.slow
 def test_the_fastest_of_a_few_is_found_among_many() -> None:
     rng = np.random.default_rng(2)
     cosine, sine = (0.15 * (m + m.T) for m in rng.standard_normal((2, 4, 4)))

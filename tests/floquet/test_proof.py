@@ -130,6 +130,7 @@ def test_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
     assert_agrees(equation)
 
 
+@pytest.mark.slow
 def test_golden_verdicts_are_proved(rng: np.random.Generator) -> None:
     with np.load(Path(__file__).parents[1] / "data/golden.npz") as golden:
         alpha, beta, stable = (golden[name] for name in ("alpha", "beta", "stable"))

@@ -367,6 +367,7 @@ def test_wrong_input_is_refused_in_one_line(arguments: dict[str, Any], words: st
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.slow
 @pytest.mark.kernels
 def test_waves_of_one_matrix_have_the_maps_of_waves_of_any(monkeypatch: pytest.MonkeyPatch) -> None:
     slowed = 1.0 if JIT else 0.03  # interpreted, thousands of steps through a period take half a minute

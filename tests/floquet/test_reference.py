@@ -270,6 +270,7 @@ def test_undecided_when_the_digits_allowed_are_too_few() -> None:
     assert reference(Meissner(4.0, -5.0), digits=10).status == "undecided"
 
 
+@pytest.mark.slow
 def test_huge_parameters() -> None:
     verdict = reference(Mathieu(1e5, 1e5), digits=20)
     assert verdict.status == "unstable"

@@ -386,6 +386,7 @@ def _range(part: Any) -> RealInterval:
     return RealInterval(part.low, part.high)
 
 
+@pytest.mark.slow
 def test_a_load_that_is_not_stable_has_no_safe_box() -> None:
     with pytest.raises(ValueError, match="load must be a load that is proved stable"):
         ROD.largest_safe_box(fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0))

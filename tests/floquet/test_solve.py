@@ -51,7 +51,7 @@ def derivative(equation: Any, time: float, state: Any) -> Any:
 @pytest.mark.parametrize(
     ("equation", "initial", "span"),
     [
-        pytest.param(*case, marks=[pytest.mark.slow] * (number in (1, 2, 3, 4))) for number, case in enumerate(CASES)
+        pytest.param(*case, marks=[pytest.mark.slow] * (number in (1, 2, 3, 4, 5))) for number, case in enumerate(CASES)
     ],  # and backwards
 )
 def test_against_dop853(equation: Any, initial: Any, span: tuple[float, float]) -> None:

@@ -23,6 +23,7 @@ def coupled(w: float, rates: tuple[float, float] = (0.0, 0.0), more: float = 0.0
     return fr.HillSystem(np.diag([1.0, 4.0]), [FORCING], damping=damping, period=2.0 * math.pi / w)
 
 
+@pytest.mark.slow
 def test_one_equation_needs_what_is_known_exactly(rng: np.random.Generator) -> None:
     kinds, many = set(), depth(20, 7)
     for beta in -np.concatenate([np.zeros(3), rng.uniform(0.0, 2.0, many), rng.uniform(0.0, 3.0, many) ** 2]):

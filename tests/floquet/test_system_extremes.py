@@ -59,6 +59,7 @@ def test_strong_buckling_is_unstable(coupling: list[list[float]], growth: float)
     assert fr.systems.is_stable(many).tolist() == [False, True]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "equations"),
     [

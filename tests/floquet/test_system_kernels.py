@@ -93,7 +93,7 @@ def balanced(found: system_even.HalfPeriodMap, true: Floats) -> tuple[Floats, Fl
         (2, 1, True),
         pytest.param(2, 1, False, marks=pytest.mark.slow),
         pytest.param(3, 3, True, marks=pytest.mark.slow),
-        (3, 3, False),
+        pytest.param(3, 3, False, marks=pytest.mark.slow),
     ],
 )
 def test_the_half_period_map_is_within_its_error(

@@ -94,6 +94,7 @@ def test_long_strings_agree_with_runge_kutta(axial_damping: float, damping: floa
     assert result.error < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [pytest.param(0.0, marks=pytest.mark.slow), 0.05])
 def test_both_methods_for_many_equations_agree(damping: float) -> None:
     system = string(260, damping=damping)
@@ -113,6 +114,7 @@ def test_independent_blocks_keep_their_multipliers() -> None:
     assert distances[rows, columns].max() < 1e-6
 
 
+@pytest.mark.slow
 def test_strings_that_no_wave_reaches_are_strongly_stable() -> None:
     system = string(150, axial_damping=0.5, amplitude=0.3, frequency=200.0)
     assert fr.stability(system).strongly_stable

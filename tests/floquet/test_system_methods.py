@@ -381,6 +381,7 @@ def counted(system: fr.HillSystem) -> tuple[Counts, NDArray[np.float64]]:
     return count(Doubles(), balls, angles_between(np.exp(2j * math.pi * turns))), turns
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(10, 3))
 @given(systems(("hamiltonian", "gyroscopic")))
 def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
@@ -422,7 +423,11 @@ NEUTRAL = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("a free body", "triangular"))) for name in NEUTRAL]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name not in ("a cosine", "decay beyond many digits")))
+        for name in NEUTRAL
+    ],
 )
 def test_nothing_grows_exactly_and_nothing_is_said_to(name: str) -> None:
     system = NEUTRAL[name]

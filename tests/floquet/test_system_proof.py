@@ -158,6 +158,7 @@ def test_identical_oscillators_are_proved_strongly_stable(n: int) -> None:
     assert count(arithmetic, problem.oscillators(arithmetic, problem.unit, freed=True), [0.0, 0.5]).variation == n
 
 
+@pytest.mark.slow
 def test_counts_decide_near_the_boundaries_of_real_multipliers() -> None:
     """Where two multipliers meet at -1, discs in doubles cannot tell, counts can: here over 1e-12 of the amplitude."""
     low, high = 0.0, 0.5
@@ -181,6 +182,7 @@ def test_a_meeting_of_opposite_krein_signs_is_refused() -> None:
     assert "Krein" in proof.statement
 
 
+@pytest.mark.slow
 def test_a_free_coordinate_is_refused() -> None:
     system = HillSystem(np.diag([0.0, 3.0]), [np.diag([0.0, 0.5])], period=2.3)
     proof = fr.certify(system, max_digits=30)
@@ -216,6 +218,7 @@ def test_a_little_uniform_damping_of_identical_oscillators() -> None:
     assert "decays" in proof.statement
 
 
+@pytest.mark.slow
 def test_more_digits_decide_on_the_boundary_of_a_combination_resonance() -> None:
     below, above = 3.0702237019907876, 3.0702237019907885
     assert math.nextafter(math.nextafter(below, 4.0), 4.0) == above
@@ -267,6 +270,7 @@ def test_coefficients_known_only_so_well() -> None:
     assert "known only to 0.1" in proof.statement
 
 
+@pytest.mark.slow
 def test_undamped_coefficients_that_are_not_exact_prove_no_stability() -> None:
     system = coupled_mathieu(3.1).as_periodic_system()
     rough = PeriodicSystem(system.mean, system.cosines, period=system.period, coefficient_error=1e-12)
@@ -467,6 +471,7 @@ def test_maps_with_few_and_with_many_digits_overlap(seed: int) -> None:
     assert np.allclose(np.sort(np.abs(np.linalg.eigvals(fine.centre()))), multipliers, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_errors_of_coefficients_widen_the_map() -> None:
     """Coefficients changed by up to their error, also periodically, leave the map enclosed."""
     error = 1e-3

@@ -63,7 +63,7 @@ def asked(question: Callable[[], list[bytes]], rng: np.random.Generator, calls: 
     return found
 
 
-@pytest.mark.parametrize("n", [1, 2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 8))])
+@pytest.mark.parametrize("n", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3, 8))])
 @pytest.mark.parametrize("kind", SYSTEMS)
 def test_the_same_input_has_the_same_bits(kind: str, n: int, tuned: Tuned, rng: np.random.Generator) -> None:
     as_new(tuned)
@@ -125,7 +125,11 @@ QUESTIONS: dict[str, Callable[[], Any]] = {
 """Public verdicts, also where numbers underflow."""
 
 
-@pytest.mark.parametrize("name", QUESTIONS)
+LONG = ("many, of two phases", "two phases 3", "ranges", "equations")
+"""Questions that take a tenth of a second and more."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in QUESTIONS])
 def test_answers_do_not_depend_on_what_numpy_raises(name: str, tuned: Tuned) -> None:
     as_new(tuned)
     expected = QUESTIONS[name]()

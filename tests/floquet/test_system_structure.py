@@ -59,6 +59,7 @@ def test_defective_multipliers_in_any_coordinates() -> None:
         assert every_door(system) == {"stable" if rate < 0.0 else "unstable"}
 
 
+@pytest.mark.slow
 def test_defective_multipliers_of_varying_coefficients() -> None:
     rng = np.random.default_rng(8)
     for _ in range(depth(60, 10)):

@@ -224,6 +224,7 @@ def test_no_step_of_a_trajectory_goes_back_in_time(alpha: float, beta: float, ki
     assert (motion.velocity[held] == 0.0).all()
 
 
+@pytest.mark.slow
 @few
 @given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), numbers(0.0, 1.0))
 def test_certain_kicks_are_certain(alpha: float, beta: float, share: float) -> None:
@@ -269,6 +270,7 @@ def test_a_bad_limit_is_named(largest: object) -> None:
         fr.friction.critical_kick([1.0, 1.1], 0.3, largest=largest)
 
 
+@pytest.mark.slow
 @few
 @given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), numbers(1.0, 3.0))
 def test_a_limited_search_finds_an_edge_below_its_limit(alpha: float, beta: float, share: float) -> None:

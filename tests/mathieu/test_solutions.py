@@ -51,6 +51,7 @@ def precise(order: float, q: float) -> tuple[Any, list[Any]]:
 LARGE = [(3.3, 25.0), (7.9, 100.0), (0.01, 50.0)]  # ten seconds of digits
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "q"), [(0.5, 1.0), *(pytest.param(*both, marks=pytest.mark.slow) for both in ((-2.2, -7.0), *LARGE))]
 )

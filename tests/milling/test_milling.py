@@ -69,7 +69,7 @@ def test_rows_of_the_table_by_the_second_method() -> None:
     assert found.multiplier_errors[0] < 1e-3
 
 
-@pytest.mark.parametrize("teeth", [1, 2, 3, 4])
+@pytest.mark.parametrize("teeth", [1, 2, *(pytest.param(teeth, marks=pytest.mark.slow) for teeth in (3, 4))])
 def test_equations_and_quick_verdicts_agree(teeth: int) -> None:
     """Three teeth have a force whose frequency is no harmonic of the time between teeth."""
     modes = {"x": [MODE], "y": [fr.ToolMode("1.1kHz", "1.2%", stiffness="2.4N/um")]}
@@ -460,6 +460,7 @@ def test_no_speed_within_a_lobe_has_less_depth_than_its_least(seed: int) -> None
                 assert (onset.kind, math.floor(onset.turns * between + 1e-6)) != (lobe.kind, lobe.number)
 
 
+@pytest.mark.slow
 def test_where_no_lobe_is_in_range_a_range_is_told_that_has_one() -> None:
     def asked(speed: tuple[str, str], low: str, high: str) -> Any:
         return cutter().lobes((*speed, 6), (low, high, 5))

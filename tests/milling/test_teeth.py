@@ -116,9 +116,9 @@ def test_a_hundred_drawn_cutters_grow_as_a_semi_discretisation_says() -> None:
 @pytest.mark.parametrize(
     "uneven",
     [
-        {"teeth": 4, "pitch": ["70deg", "110deg", "70deg", "110deg"]},
+        pytest.param({"teeth": 4, "pitch": ["70deg", "110deg", "70deg", "110deg"]}, marks=pytest.mark.slow),
         pytest.param({"teeth": 3, "pitch": ["100deg", "120deg", "140deg"]}, marks=pytest.mark.slow),
-        {"helix": "30deg", "diameter": "12mm"},
+        pytest.param({"helix": "30deg", "diameter": "12mm"}, marks=pytest.mark.slow),
         {"runout": ["0um", "30um"], "feed_per_tooth": "0.05mm"},
     ],
 )
@@ -130,6 +130,7 @@ def test_equations_and_quick_verdicts_agree(uneven: dict[str, Any]) -> None:
     assert log / verdict.period == pytest.approx(verdict.exponents[0].real, abs=1e-6 / verdict.period)
 
 
+@pytest.mark.slow
 def test_even_teeth_that_are_spelled_out_are_those_of_a_plain_cutter() -> None:
     spelled = milling(teeth=3, pitch=["120deg"] * 3, runout=["5um"] * 3, helix="0deg", feed_per_tooth="0.1mm")
     plain = milling(teeth=3)
@@ -199,6 +200,7 @@ def test_modes_of_a_direction_add_up() -> None:
     assert twins.critical_depth("7000rpm") == pytest.approx(milling(teeth=3, immersion=0.5).critical_depth("7000rpm"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("helical", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_critical_depths_separate_verdicts(helical: bool) -> None:
     uneven = milling(teeth=3, pitch=["100deg", "120deg", "140deg"], helix="30deg", diameter="12mm", immersion=0.5)

@@ -131,9 +131,7 @@ def followed(known: Known, longest: float = 0.3) -> fr.results.BifurcationCurve:
     return fr.follow(located(branch, known.kind), known.over, longest=longest)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("ring", "cycle in a plane"))) for name in KNOWN]
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "cycles")) for name in KNOWN])
 def test_a_curve_in_closed_form(name: str) -> None:
     known, curve = KNOWN[name], curve_of(name)
     assert curve.kind == known.kind
@@ -167,6 +165,7 @@ def test_how_curves_end() -> None:
     assert any("the orbit shrinks to a state of rest near mu = " in end for end in followed(cycle).ends)
 
 
+@pytest.mark.slow
 def test_a_branch_point_that_nothing_keeps_is_refused() -> None:
     known = KNOWN["ring"]
     branch = fr.follow(fr.periodic_orbit(known.system, known.start), {"p": known.first}, longest=0.3)

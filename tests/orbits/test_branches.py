@@ -75,7 +75,7 @@ def test_cycles_fold_and_shrink_to_rest(fold: fr.Branch) -> None:
     assert fold.values[-1] == 0.3
 
 
-@pytest.mark.parametrize("a", [0.7, 1.0, 1.5])
+@pytest.mark.parametrize("a", [1.5, *(pytest.param(a, marks=pytest.mark.slow) for a in (0.7, 1.0))])
 def test_a_hopf_point_has_its_error(a: float) -> None:
     # The Brusselator's state of rest (a, b / a) has the trace b - 1 - a^2.
     def brusselator(t: Any, x: Any, a: float, b: float) -> Any:

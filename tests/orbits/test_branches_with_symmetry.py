@@ -245,6 +245,7 @@ def coupled_by_sympy(count: int, w: float, c: float, b: float, coupling: float) 
     return fr.NonlinearSystem.from_sympy(equations, states, parameters={strength: coupling})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("longest", [0.2, pytest.param(0.04, marks=pytest.mark.slow)])
 def test_the_error_of_a_branch_point_holds(longest: float) -> None:
     """The multiplier that crosses is refined: near K = 2 the verdicts' is off by 8e-10, within its own error."""

@@ -73,7 +73,7 @@ def test_an_orbit_is_kept() -> None:
     assert "two degrees" in str(orbit)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+@pytest.mark.parametrize("tolerance", [1e-3, pytest.param(1e-6, marks=pytest.mark.slow)])
 def test_errors_cover_the_truth(tolerance: float) -> None:
     for system, start, near, period, _ in KNOWN[:2] + KNOWN[3:]:
         orbit, exact = (fr.periodic_orbit(system, start, near, tolerance=each) for each in (tolerance, 1e-12))

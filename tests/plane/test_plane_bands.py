@@ -122,6 +122,7 @@ RATES = [(0.0, 0.0), (1.5, 0.0), (0.5, 0.8)]
 """Damping rates and growth tolerances in 1/s."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("plane", "rate"),
     [
@@ -241,6 +242,7 @@ def test_tongues_are_counted() -> None:
     assert fine.bands.tongues_left_out > 0 < coarse.bands.tongues_left_out
 
 
+@pytest.mark.slow
 def test_a_coarser_accuracy_needs_fewer_vertices() -> None:
     found = chart((0.0, 3.0, 5), (-3.0, 0.5, 5), 0.05)
     sizes = [sum(band.x.size for band in found.find_bands(accuracy)) for accuracy in (0.1, 1e-3, 1e-5)]

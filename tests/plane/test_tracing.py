@@ -162,6 +162,7 @@ def test_dots_of_a_thin_tongue_become_one_band() -> None:
     agree(bands, status)
 
 
+@pytest.mark.slow
 def test_a_tongue_beside_the_edge_of_the_plane_is_followed_along_it() -> None:
     def status(a: Floats, b: Floats) -> Any:
         return ~((a <= 0.3) & (b < 0.7) | (np.abs(b - 0.017) < 0.0145 - 0.002 * a))

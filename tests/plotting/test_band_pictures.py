@@ -173,6 +173,7 @@ def test_unknown_growth_is_drawn_as_the_slowest() -> None:
     assert is_colour(picture[picture.shape[0] // 2, int(0.8 * picture.shape[1])], palette.UNSEEN).all()
 
 
+@pytest.mark.slow
 def test_no_bands_are_no_colours() -> None:
     for growth in (None, 0.0):
         ax = chart_of(bands_of(), growth).plot()
@@ -288,6 +289,7 @@ def test_a_few_narrow_bands_have_their_names_beside(seed: int) -> None:
     pyplot.close("all")
 
 
+@pytest.mark.slow
 def test_no_line_to_a_name_crosses_another_band() -> None:
     wide, sliver = box(0.5, 0.58, 0.002, 1.0, 7, 1), box(0.5, 0.58, 0.0, 0.001, 8, 1)
     assert shown(bands_of(wide, sliver).plot()).keys() == {"7·1"}
@@ -318,6 +320,7 @@ def test_labels_avoid_markers_lines_texts_and_legends() -> None:
         assert abs(found[1] - 0.5) > 0.02
 
 
+@pytest.mark.slow
 def test_labels_follow_the_axes() -> None:
     ax = bands_of(box(0.1, 0.12, 0.1, 0.9, 7, 1)).plot()
     ((column, _),) = shown(ax).values()
@@ -351,6 +354,7 @@ def test_a_label_fits_into_its_polygon(seed: int, corners: int) -> None:
         assert inside[bottom : bottom + 4, left : left + 7].all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bands", "growth"),
     [

@@ -45,6 +45,7 @@ def test_only_the_palette_names_colours(what: str) -> None:
     assert found(DRAWN, FORBIDDEN[what]) == []
 
 
+@pytest.mark.slow
 def test_nothing_unstable_is_called_grey() -> None:
     assert found(PAGES, r"unstable[^.\n]{0,20}\bgr[ea]y|\bgr[ea]y[^.\n]{0,20}unstable") == []
 

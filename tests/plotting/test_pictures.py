@@ -47,6 +47,7 @@ def boxes(figure: Any) -> tuple[Any, list[Any]]:
     return legends, [legend.get_window_extent() for legend in legends]
 
 
+@pytest.mark.slow
 def test_a_run_is_titled_in_a_line_and_its_start_told_below() -> None:
     figure = run().plot_run()
     legends, places = boxes(figure)
@@ -72,6 +73,7 @@ def test_a_run_off_the_wall_says_so_in_its_picture() -> None:
     assert thrown.note in note(thrown.plot_run().axes[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plot", ["plot", "plot_energy", pytest.param("plot_growth", marks=pytest.mark.slow)])
 def test_legends_of_runs_hide_no_line(plot: str) -> None:
     ax = getattr(run(), plot)()
@@ -140,6 +142,7 @@ def test_notes_and_titles_have_one_notation() -> None:
     assert r"amplitude 0.2 $F_\mathrm{cr}$, critical force" in note(scaled)
 
 
+@pytest.mark.slow
 def test_a_long_title_is_cut_to_what_was_asked_and_the_note_has_the_whole() -> None:
     wave = fr.AxialWave(0.0, 0.0, 1.0, far_end="held", axial_damping=2.125, mean_at=0.25)
     chart = fr.stability_map(ROD, wave, mean=(0.0, FORCE, 3), amplitude=0.2 * FORCE, frequency=(20.0, 40.0, 3))

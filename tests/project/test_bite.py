@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import toothless
+
 PROPERTIES = """
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
 
@@ -25,13 +27,13 @@ def test_without_examples():
 """
 
 
+def test_a_property_checked_too_rarely_is_named() -> None:
+    assert toothless({"bites": (15, 5), "hardly": (1, 14), "never": (0, 0)}) == ["hardly", "never"]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("workers", "left_out", "status"),
-    [
-        ("0", "nothing", 1),
-        pytest.param("0", "hardly", 0, marks=pytest.mark.slow),
-        pytest.param("1", "nothing", 1, marks=pytest.mark.slow),
-    ],
+    ("workers", "left_out", "status"), [("0", "nothing", 1), ("0", "hardly", 0), ("1", "nothing", 1)]
 )
 def test_properties_that_discard_nearly_everything_fail(
     workers: str, left_out: str, status: int, tmp_path: Path

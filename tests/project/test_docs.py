@@ -152,8 +152,11 @@ LONG = {
     "theory/response.md",
     "theory/bands.md",
     "how_to/questions.md",
+    "theory/sections.md",
+    "theory/trust.md",
+    "reference/units.md",
 }
-"""Pages that take a second and more; `make slow` and `make docs` execute them."""
+"""Pages that take some tenths of a second and more; `make slow` and `make docs` execute them."""
 
 
 def quick(pages: list[str]) -> list[Any]:
@@ -379,6 +382,7 @@ def docstrings() -> Iterator[tuple[str, bool, str]]:
                 yield f"{path.name}, {node.name}", not decorators.isdisjoint({"property", "cached_property"}), text
 
 
+@pytest.mark.slow
 def test_docstrings_are_shown_as_they_are_written() -> None:
     for place, is_property, text in docstrings():
         assert not (is_property and ":" in text.splitlines()[0]), f"{place}: what precedes a colon would be its type"

@@ -59,6 +59,7 @@ def test_the_main_path_has_fewer_than_ten_lines_of_code(story: str) -> None:
     assert max(len(lines) for _, lines in found) < 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "story", ["my_rod", *(pytest.param(story, marks=pytest.mark.slow) for story in ("recorded_force", "two_equations"))]
 )

@@ -235,7 +235,7 @@ def unaltered(subsystem: Subsystem) -> Any:
 @needs_jit
 @pytest.mark.parametrize(
     "subsystem",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in ("large motion", "kicks"))) for name in NAMES],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in ("large motion", "kicks", "strings"))) for name in NAMES],
 )
 @pytest.mark.parametrize("name", ROD)
 @pytest.mark.filterwarnings("ignore")

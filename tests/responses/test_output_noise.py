@@ -47,6 +47,7 @@ def test_the_lyapunov_equation_agrees_with_transfer_functions(equation: Any, int
     assert one.variance == pytest.approx(other.variance, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_density_integrates_to_the_variance() -> None:
     found = fr.output_noise(fr.Mathieu(0.3, -0.6, 0.2), 1.0)
     nodes, weights = np.polynomial.legendre.leggauss(16)

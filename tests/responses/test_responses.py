@@ -150,6 +150,7 @@ def test_two_hundred_drawn_problems_against_dop853(block: int) -> None:
             assert difference < error + 1e-10, (seed, method)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 100_000))
 @settings(max_examples=depth(200, 15), deadline=None)
 def test_methods_agree(seed: int) -> None:

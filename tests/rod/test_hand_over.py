@@ -143,6 +143,7 @@ def test_motion_after_the_onset_is_told(tmp_path: Path) -> None:
     assert re.search(r"grows to about 6\.\d degrees in mode 2 alone", page)
 
 
+@pytest.mark.slow
 def test_lines_of_a_pdf_fit_its_page() -> None:
     lines = document._wrapped("word " * 60 + "x" * 200, 3.0, 8.5)
     assert "".join(lines).replace(" ", "") == "word" * 60 + "x" * 200
@@ -150,6 +151,7 @@ def test_lines_of_a_pdf_fit_its_page() -> None:
     assert all(document._width(f"{a} {b.split()[0]}", 8.5) > 3.0 for a, b in pairwise(lines) if "x" not in b)
 
 
+@pytest.mark.slow
 def test_a_chart_is_handed_over_as_its_picture(tmp_path: Path) -> None:
     chart = fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 5))
     page = fr.save_report(chart, tmp_path / "chart.html").read_text(encoding="utf-8")
@@ -174,6 +176,7 @@ def test_what_is_wrong_writes_nothing(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_a_report_on_a_measured_force_has_its_noise_and_its_figure(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -196,6 +196,7 @@ def test_the_growth_bound_bounds(order: int, power: float, place: float) -> None
     assert kernels.growth(0.5 * q, -0.25 * a, 0.0) <= kernels.growth_bound(a, q) * (1.0 + 1e-9) + 1e-14
 
 
+@pytest.mark.slow
 def test_a_mode_at_the_edge_of_the_bound_is_looked_at() -> None:
     # a = 2 q in doubles where the room that is left is not zero in them.
     rod = fr.Rod(1e9, 900.0, 0.0023274128510754337, 8.296067484796886, 0.004654825702150867, 2.766561392000476)
@@ -249,7 +250,7 @@ def test_scaling() -> None:
         (0.20, 150.0, 0.0, 0.0),
         (0.52, 150.0, 0.0, 0.4),
         (0.3, 85.0, 0.7, 0.0),
-        (0.9, 20, 0.1, 0.1),
+        pytest.param(0.9, 20, 0.1, 0.1, marks=pytest.mark.slow),
     ],
 )
 def test_the_verdict_changes_at_the_margin(mean: float, omega: float, tolerance: float, damping: float) -> None:

@@ -98,6 +98,7 @@ def integrated(system: fr.HillSystem, damping: float, force: Floats) -> Floats:
     return np.asarray(motion[:n])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ends", ["clamped", *(pytest.param(ends, marks=pytest.mark.slow) for ends in ("hinged-clamped", "guided"))]
 )
@@ -350,6 +351,7 @@ def test_a_map_without_a_shape_is_refused() -> None:
 # --- the simulator ---
 
 
+@pytest.mark.slow
 def test_the_simulated_rod_comes_to_rest_as_statics_says() -> None:
     rod = shaped({5: 1e-4}, damping_rate=8.0)
     load = fr.AxialLoad(0.2 * UNIT, 0.0, 60.0)

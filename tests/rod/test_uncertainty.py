@@ -259,6 +259,7 @@ def test_arguments_are_checked(changes: dict[str, Any], words: str) -> None:
         fr.probability_of_instability(ROD, LOAD, {"mean": (0.1, 0.2)}, **changes)
 
 
+@pytest.mark.slow
 def test_samples_are_refused_where_rods_and_loads_are() -> None:
     """Each sample alone: the rule for arrays is that of the constructors."""
     given: dict[str, Any] = {
@@ -297,6 +298,7 @@ def test_coupled_modes_take_distributed_loads() -> None:
     assert 0 < found.unstable < 60
 
 
+@pytest.mark.slow
 def test_coupled_modes_take_distributed_rods() -> None:
     """Rods with clamped ends, and inclined ones with weight along them, are judged one by one."""
     for rod, name, bounds in ((ROD.replace(ends="clamped"), "length", (3.0, 3.4)), (ROD, "inclination", (1.0, 1.5))):
@@ -364,6 +366,7 @@ def test_the_probability_with_a_bad_survey_is_that_of_a_monte_carlo_of_its_own()
     assert "inclination_random, azimuth_random: independent from station to station" in found.assumptions
 
 
+@pytest.mark.slow
 def test_where_north_is_matters_to_no_rod() -> None:
     given: dict[str, Any] = {"mean": (0.2 * UNIT, 0.5 * UNIT), "azimuth_systematic": (-3.0, 3.0)}
     sampling = Sampling(TURNS, LOAD, given, 1e-6, 1)

@@ -200,6 +200,7 @@ def _is_text(node: object) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
+@pytest.mark.slow
 def test_the_code_of_simulations_has_changed_only_with_its_version() -> None:
     kept, now = json.loads(KEPT.read_text()), digests()
     assert kept["version"] == arithmetic.VERSION, __doc__
@@ -207,6 +208,7 @@ def test_the_code_of_simulations_has_changed_only_with_its_version() -> None:
     assert not changed, f"{', '.join(changed)}; {__doc__}"
 
 
+@pytest.mark.slow
 def test_what_a_run_calls_is_seen() -> None:
     """Steps, contact with friction, what a rod is made of, an early end, results."""
     for name in (

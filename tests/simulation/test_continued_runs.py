@@ -86,6 +86,7 @@ def test_an_interrupted_run_goes_on_to_its_end() -> None:
     assert cut.continued(problem.duration) == at_once(problem, 2)
 
 
+@pytest.mark.slow
 def test_a_run_that_stopped_early_goes_on() -> None:
     rod = fr.Rod.nitinol()
     problem = fr.SimulationProblem(

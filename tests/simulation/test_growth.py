@@ -173,6 +173,7 @@ def test_a_rod_longer_than_a_tenth_of_an_axial_wave_is_judged_with_the_wave() ->
 # --- simulated rods; `test_simulation_growth` has more of them ---
 
 
+@pytest.mark.slow
 def test_a_simulated_rod_grows_as_theory_with_the_wave_says_within_the_error() -> None:
     """The uniform theory, 4.2357, is off by more than the error of the simulation."""
     kick = fr.Perturbation.modes({7: 1e-4})

@@ -129,7 +129,7 @@ GRIP = 0.1
 LIMIT = GRIP * PUSHED.weight_per_length * PUSHED.length
 
 
-@pytest.mark.parametrize("segments", [20, 80, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("segments", [20, *(pytest.param(n, marks=pytest.mark.slow) for n in (40, 80))])
 @pytest.mark.parametrize("ends", ["hinged", "clamped", "guided", "free"])
 def test_a_rod_pushed_along_slides_at_the_friction_of_its_weight(ends: str, segments: int) -> None:
     """Ends carry their share of it, held across the channel or not, so no number of segments shows."""
@@ -155,7 +155,7 @@ def test_a_rod_pushed_along_slides_at_the_friction_of_its_weight(ends: str, segm
     )
 
 
-@pytest.mark.parametrize("ends", ["hinged", "guided"])
+@pytest.mark.parametrize("ends", ["hinged", pytest.param("guided", marks=pytest.mark.slow)])
 def test_the_friction_of_a_fed_rod_is_that_of_its_weight_along_its_way(ends: str) -> None:
     """Once the waves of the start have died down and no section moves back; the force at the fed end pays for it."""
     for segments in (20, 40, 80):

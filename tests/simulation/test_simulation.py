@@ -155,7 +155,7 @@ class Stop:
             raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("calls", [1, 7, 20])
+@pytest.mark.parametrize("calls", [7, *(pytest.param(calls, marks=pytest.mark.slow) for calls in (1, 20))])
 def test_resumes_to_the_bit(tmp_path: Path, calls: int) -> None:
     path = tmp_path / "run.ckpt"
     cut_short = run(checkpoint=path, progress=Stop(calls))
@@ -242,6 +242,7 @@ def test_repr_reads_like_a_sentence() -> None:
     assert "set by stretch" in repr(run())
 
 
+@pytest.mark.slow
 def test_drawings(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib").use("Agg")
     from matplotlib import pyplot

@@ -108,7 +108,10 @@ class Disk:
 
 @pytest.mark.parametrize(
     "number",
-    [errno.ENOSPC, errno.EACCES, *(pytest.param(each, marks=pytest.mark.slow) for each in (errno.EIO, errno.EDQUOT))],
+    [
+        errno.ENOSPC,
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (errno.EACCES, errno.EIO, errno.EDQUOT)),
+    ],
 )
 def test_a_save_that_fails_warns_and_costs_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned, number: int

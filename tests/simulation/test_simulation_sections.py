@@ -202,8 +202,8 @@ def test_linearised_forces_are_symmetric_and_the_step_is_stable(ends: str) -> No
 @pytest.mark.parametrize(
     ("ends", "path"),
     [
-        ("hinged", None),
         ("free-guided", SURVEY),
+        pytest.param("hinged", None, marks=pytest.mark.slow),
         *(pytest.param(ends, SURVEY, marks=pytest.mark.slow) for ends in ("hinged", "clamped")),
         pytest.param("clamped", None, marks=pytest.mark.slow),
         pytest.param("free-guided", None, marks=pytest.mark.slow),

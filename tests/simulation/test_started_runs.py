@@ -82,6 +82,7 @@ def test_time_goes_on_and_with_it_the_phase_of_any_load(frequency: float, amplit
     assert np.abs(later.energy_error).max() < 0.02 * stored.max()  # waves as short as segments, which a step excites
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.1, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_a_buckled_rod_is_said_to_be_so_until_it_is_at_rest(buckled: fr.Simulation, friction: float) -> None:
     """Under a load that makes nothing grow, with damping: large, then dying out, then within 5 degrees."""

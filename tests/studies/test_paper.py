@@ -31,8 +31,8 @@ CLAIMS = {
 DISAGREE = {"F3-a", "F3-map", "F6-b"}
 
 
-LONG = {"F8-a", "F8-b", "F3-c", "F3-map"}
-"""Claims that take a second and more; `python -m studies` computes all."""
+LONG = {"F8-a", "F8-b", "F3-a", "F3-c", "F3-d", "F3-map", "F5", "F6/7"}
+"""Claims that take some tenths of a second and more; `python -m studies` computes all."""
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CLAIMS])
@@ -142,6 +142,7 @@ def test_out_must_be_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "--out must be a folder" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_intervals_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -> None:
     wide = [band for band in figures.unstable_intervals(0.2, 85.0, 0.6) if band.high - band.low > 1e-9]
     assert len(wide) > 10
@@ -162,6 +163,7 @@ def test_intervals_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -
     assert (growth[inside] > 0.0).mean() > 0.99  # edges depart from the boundaries by half a pixel at most
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "draw",
     [

@@ -215,11 +215,11 @@ def test_a_plot_is_labelled() -> None:
     [
         pytest.param("omega", r"$\omega$", marks=pytest.mark.slow),
         ("omega_1", r"$\omega_{1}$"),
-        ("q_x", "$q_{x}$"),
+        pytest.param("q_x", "$q_{x}$", marks=pytest.mark.slow),
         pytest.param("k", "$k$", marks=pytest.mark.slow),
         pytest.param("k2", "$k_{2}$", marks=pytest.mark.slow),
         pytest.param("Omega", r"$\Omega$", marks=pytest.mark.slow),
-        ("load_factor", "load_factor"),
+        pytest.param("load_factor", "load_factor", marks=pytest.mark.slow),
         pytest.param("advance", "advance", marks=pytest.mark.slow),
     ],
 )
@@ -314,6 +314,7 @@ def test_a_side_that_has_closed_is_not_followed() -> None:
     assert len(found) >= 8
 
 
+@pytest.mark.slow
 def test_one_equation_has_the_tongues_of_its_verdicts_and_of_its_system() -> None:
     over = {"q": (0.0, 10.0, 40), "a": (-5.0, 10.0, 30)}
     chart = fr.chart(lambda q, a: fr.Mathieu.from_aq(a, q), over=over, growth=True)

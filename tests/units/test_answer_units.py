@@ -58,6 +58,7 @@ def test_equality_and_arguments_do_not_depend_on_units() -> None:
     assert fr.WellPath(["0m", "100m"], 0.5) == fr.WellPath([0.0, 100.0], 0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("length", "force", "weight"), [("ft", "lbf", "lbf/ft"), pytest.param("m", "kN", "N/m", marks=pytest.mark.slow)]
 )
@@ -173,6 +174,7 @@ def test_a_map_is_drawn_in_the_units_of_its_ranges() -> None:
     assert typed.in_units(frequency="rpm").plot(bands=False).get_xlabel().endswith("rpm")
 
 
+@pytest.mark.slow
 def test_a_figure_of_ranges_names_the_fixed_quantities_in_the_units_of_the_question() -> None:
     rod, load = fr.Rod.nitinol(), fr.AxialLoad("0.1lbf", "0.05lbf", "17Hz")
     for found in (

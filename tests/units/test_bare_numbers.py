@@ -274,6 +274,7 @@ def test_a_vertical_well_is_no_survey_in_radians(tmp_path: Path) -> None:
             fr.WellPath.from_csv(survey(tmp_path, rows))
 
 
+@pytest.mark.slow
 def test_the_terminal_warns_of_a_survey_with_its_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rows = np.array([[0, 0, 0.5], [600, 0, 0.5], [900, 0.52, 0.6], [1500, 1.57, 0.8]])
     words = ["--well", str(survey(tmp_path, rows)), *WELL[2:], "--depths", "1000m"]

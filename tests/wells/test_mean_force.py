@@ -111,6 +111,7 @@ def test_a_helix_that_comes_and_goes_between_stations_is_found_with_any_step() -
         np.testing.assert_allclose(force, -5454.0844, atol=0.02)
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(60, 3))
 @given(path=wells(), mu=st.floats(0.05, 0.5), far_force=st.floats(-1e4, 2e4))
 def test_turning_to_the_other_side_changes_nothing(path: fr.WellPath, mu: float, far_force: float) -> None:
@@ -119,6 +120,7 @@ def test_turning_to_the_other_side_changes_nothing(path: fr.WellPath, mu: float,
     np.testing.assert_allclose(one.force, mirrored.force, rtol=1e-9, atol=1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(60, 3))
 @given(path=wells(), far_force=st.floats(-1e4, 5e3))
 def test_a_string_is_the_sum_of_its_parts(path: fr.WellPath, far_force: float) -> None:

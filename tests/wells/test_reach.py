@@ -248,6 +248,7 @@ def test_the_force_at_the_bit_is_what_the_upper_end_can_push_there(push: str | N
             assert (top <= (math.inf if push is None else 15e3) and math.isfinite(top)) == arrives
 
 
+@pytest.mark.slow
 def test_where_it_never_gets_nothing_arrives_at_the_bit() -> None:
     found = TUBING.reach(WELL, 0.3, depth=[3500.0])
     assert np.isnan(found.bit).all()
@@ -537,6 +538,7 @@ def test_the_first_line_answers_whether_the_tool_helps(
         assert numbers[-1] == pytest.approx(min(farther * shaken, 4000.0) / foot, rel=6e-4)
 
 
+@pytest.mark.slow
 def test_it_answers_in_the_units_asked_for() -> None:
     found = TUBING.replace(yield_strength="90ksi").reach(WELL, 0.3, depth=[50.0, 1200.0])
     foot, pound = 0.3048, 4.4482216152605
@@ -564,6 +566,7 @@ def test_it_answers_in_the_units_asked_for() -> None:
         found.plot(depth="lbf")
 
 
+@pytest.mark.slow
 def test_what_is_not_tried_at_the_lower_end_is_marked() -> None:
     found = TUBING.reach(WELL, 0.3, depth=[30.0, 50.0, 1200.0])
     assert found.bit_limit == pytest.approx(10.0 * TUBING.critical_force)

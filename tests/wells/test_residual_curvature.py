@@ -55,7 +55,7 @@ def test_the_contact_is_that_of_a_beam_between_walls(curvature: float, clearance
     assert force[distance < 0.1 * springs].sum() == pytest.approx(0.5 * found, rel=3e-3)
 
 
-@pytest.mark.parametrize("motion", ["pushed", "pulled", "standing"])
+@pytest.mark.parametrize("motion", [pytest.param("pushed", marks=pytest.mark.slow), "pulled", "standing"])
 def test_friction_at_the_lower_end_is_against_the_motion(motion: str) -> None:
     """The string is a straight one with so much more compression at its lower end."""
     friction = [(0.0, 0.1), (900.0, 0.4)]
@@ -69,6 +69,7 @@ def test_friction_at_the_lower_end_is_against_the_motion(motion: str) -> None:
     np.testing.assert_allclose(bent.force, straight.force, rtol=1e-12, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_without_a_bend_nothing_changes() -> None:
     plain, named = PIPE.reach(WELL, 0.3, depth=[400.0]), PIPE.replace(residual_curvature=0.0)
     assert named == PIPE

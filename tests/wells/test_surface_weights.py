@@ -73,6 +73,7 @@ WELLS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param("build", marks=pytest.mark.slow), "three dimensions"])
 def test_beside_an_independent_integration(name: str) -> None:
     """To the error told and to 1e-6 of the string's weight, the tolerance of the other integration and of its helix."""

@@ -108,7 +108,8 @@ def test_the_slope_of_what_damps_a_wave_is_that_of_differences(seed: int) -> Non
     ("second", "above_end"),
     [
         (("6kN", "29Hz"), 0.0),
-        pytest.param(("2kN", "7Hz"), 30.0, marks=pytest.mark.kernels),  # interpreted, each takes seconds
+        # Interpreted, it takes seconds.
+        pytest.param(("2kN", "7Hz"), 30.0, marks=[pytest.mark.kernels, pytest.mark.slow]),
         (("8kN", "18.3Hz"), 200.0),
     ],
 )
@@ -152,7 +153,7 @@ def mean_force(tool: fr.VibrationTool, bottom: float = 2400.0) -> fr.results.Mea
     return TUBING.mean_force(WELL, 0.3, bottom=bottom, tool=tool, depth=[0.0, 1200.0, 2000.0])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [2, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1))])
 def test_a_second_sine_that_does_not_push_changes_no_digit(seed: int) -> None:
     tool = drawn_tool(seed, second=None)
     quiet = drawn_tool(seed, second=(0.0, 1.7 * tool.frequency))

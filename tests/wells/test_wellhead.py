@@ -25,6 +25,7 @@ PIPE = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=1.0, fluid_ins
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 3000.0], ["0deg", "0deg", "90deg", "90deg"])
 
 
+@pytest.mark.slow
 @given(
     pressure=st.floats(0.0, 8e7),
     inside=st.floats(0.0, 8e7),
@@ -67,6 +68,7 @@ def test_the_injector_has_less_left_for_the_string(seed: int) -> None:
     np.testing.assert_array_equal(found.bit, plain.bit)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tool", [None, pytest.param(fr.VibrationTool("2kN", "15Hz"), marks=pytest.mark.slow)])
 def test_a_push_too_small_to_begin_with_gets_nowhere(tool: fr.VibrationTool | None) -> None:
     """Weight helps later on, whichever depths are asked for."""
@@ -141,6 +143,7 @@ def test_pressure_takes_its_part_of_the_yield_share() -> None:
     assert "von Mises with" in str(found.stress)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(12, 1)))
 def test_the_terminal_and_python_agree(seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rng = np.random.default_rng([50, 9, seed])
@@ -182,6 +185,7 @@ def test_bad_wellheads(wrong: dict[str, Any], words: str) -> None:
             ask(WELL, 0.3, pressure_inside=5.0)
 
 
+@pytest.mark.slow
 def test_a_probability_knows_the_wellhead() -> None:
     at = {"depth": [900.0, 2600.0], "samples": 4, "seed": 3}
     found = fr.probability_of_reach(PIPE, WELL, (0.2, 0.3), push=50e3, wellhead_pressure=2e7, stripper=5e3, **at)

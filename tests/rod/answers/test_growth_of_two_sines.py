@@ -91,6 +91,7 @@ def test_a_second_sine_that_does_not_push_leaves_the_growth_of_one(still: int, d
     np.testing.assert_allclose(found.half_wave[both], one.half_wave[both], rtol=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_growth_is_that_of_a_long_integration(seed: int) -> None:
     rng = np.random.default_rng([81, seed])

@@ -39,6 +39,7 @@ def test_margins_and_damping_are_those_of_the_sine(rng: np.random.Generator) -> 
         assert "found by sampling" not in " ".join(said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, pytest.param(6, marks=pytest.mark.slow)])
 def test_ranges_and_limits_are_those_of_the_sine(count: int, rng: np.random.Generator) -> None:
     for _ in range(count):

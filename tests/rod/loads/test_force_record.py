@@ -142,7 +142,7 @@ def test_amplitude_and_waveform_make_the_force(rng: np.random.Generator) -> None
     assert record.force(0.25) == pytest.approx(float(record.force(np.array([0.25]))[0]), rel=1e-15)
 
 
-@pytest.mark.parametrize("periods", [2.1, pytest.param(3.1, marks=pytest.mark.slow), 60.7])
+@pytest.mark.parametrize("periods", [2.1, *(pytest.param(k, marks=pytest.mark.slow) for k in (3.1, 60.7))])
 def test_short_and_long_records(periods: float, rng: np.random.Generator) -> None:
     many = depth(20, 10)
     assert sum(right(fr.ForceRecord(*made(rng, periods)[:2])) for _ in range(many)) >= 0.9 * many

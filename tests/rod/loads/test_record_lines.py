@@ -44,7 +44,9 @@ def test_two_lines_are_found_the_strongest_first() -> None:
     np.testing.assert_allclose([line[:2] for line in found], [(0.3, 108.196), (0.1, 358.77)], rtol=0.02)
 
 
-@pytest.mark.parametrize("kind", ["white", "pink", "resonant"])
+@pytest.mark.parametrize(
+    "kind", ["white", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("pink", "resonant"))]
+)
 def test_noise_makes_few(kind: str, rng: np.random.Generator) -> None:
     """In white noise one record of 1000 has any; noise that is stronger about a frequency may pass for a line."""
     count, of = 0, depth(300, 25)
@@ -77,6 +79,7 @@ def test_no_verdict_passes_over_a_line(second: float, with_it: str) -> None:
     assert f"beside the fit: {with_it}" in verdict.note
 
 
+@pytest.mark.slow
 def test_a_second_sine_that_is_the_line_answers() -> None:
     measured = record(0.25)
     changed = ChangedRecord(measured, lambda fit: replace(fit, second=(0.25 * POUND, 2.0 * math.pi * 17.22)))
@@ -95,6 +98,7 @@ def test_beside_noise_what_a_line_does_is_not_known() -> None:
     assert "is not known" in verdict.note
 
 
+@pytest.mark.slow
 def test_narrow_noise_is_told_from_that_beside_it_and_its_error_counts() -> None:
     """A hump of 1.3 Hz shakes a mode at its middle as its own density does, not as an average over many hertz.
 
@@ -126,6 +130,7 @@ def test_a_line_is_no_noise() -> None:
         assert record(0.25).noisy_load.noise
 
 
+@pytest.mark.slow
 def test_the_terminal_warns_of_it_and_takes_the_words_back(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

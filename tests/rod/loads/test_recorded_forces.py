@@ -127,6 +127,7 @@ def test_the_noise_of_chosen_modes_is_that_of_these_modes() -> None:
     assert abs(more.growth_rate - ROD.stability(load).growth_rate) < more.error < 0.1
 
 
+@pytest.mark.slow
 def test_what_modes_that_were_added_change_is_no_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     """A verdict may take more modes than are taken under the forces within the noise."""
     record = recorded(fr.AxialLoad(0.3 * FCR, 0.4 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(0))

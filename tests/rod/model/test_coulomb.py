@@ -38,6 +38,7 @@ def test_modes_that_a_kick_sets_off(share: float, frequency: float, modes: tuple
     assert verdict.stable is not bool(modes)
 
 
+@pytest.mark.slow
 def test_escape_speeds_at_150() -> None:
     verdict = ROD.stability(load(0.825, 150.0), **KICK)
     assert verdict.unstable_modes == (9, 10)

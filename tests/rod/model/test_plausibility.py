@@ -246,12 +246,19 @@ AT_16 = "16 is taken in rad/s: at 16 rad/s no mode grows, at 16 Hz one does"
             marks=pytest.mark.slow,
         ),
         (["ranges", *STRENGTH, "--frequency", "10:16"], "--frequency 10:16 is taken"),
-        (["map", *OVER, *PIXELS, "--frequency", "10:16"], "--frequency 10:16 is taken"),
-        (
+        pytest.param(
+            ["map", *OVER, *PIXELS, "--frequency", "10:16"], "--frequency 10:16 is taken", marks=pytest.mark.slow
+        ),
+        pytest.param(
             ["map", *OVER, "--points", "3x3", "--pixels", "--frequency", "10:60Hz", "--mark", "0.5,16"],
             f"--mark frequency {AT_16}",
+            marks=pytest.mark.slow,
         ),
-        (["simulate", *STRENGTH, "--duration", "2ms", "--frequency", "16"], f"--frequency {AT_16}"),
+        pytest.param(
+            ["simulate", *STRENGTH, "--duration", "2ms", "--frequency", "16"],
+            f"--frequency {AT_16}",
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             ["explore", *STRENGTH, "--out", "explorer.png", "--frequency", "16"],
             f"--frequency {AT_16}",

@@ -100,6 +100,7 @@ def test_shapes_broadcast_and_scalars_stay_scalars() -> None:
         ROD.growth_rate(mean=[1.0, 2.0], amplitude=[1.0, 2.0, 3.0], frequency=FREQUENCY)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sine", pytest.param("wave", marks=pytest.mark.slow)])
 def test_maps_say_what_arrays_do(kind: str) -> None:
     like = KINDS[kind]
@@ -305,6 +306,7 @@ def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     assert asked.count == 8
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")  # of the longer rod
 @pytest.mark.parametrize(
     ("length", "hasty_seconds", "seconds"),
@@ -759,7 +761,7 @@ def test_a_load_too_slow_to_follow_is_undecided_with_a_reason() -> None:
 @pytest.mark.parametrize(
     ("rod", "count", "question"),
     [
-        pytest.param(*asked, question, marks=[pytest.mark.slow] * (asked[0] is ROD and question != "verdicts"))
+        pytest.param(*asked, question, marks=[pytest.mark.slow] * (asked[0] is ROD))
         for asked in ((ROD, 32), (PLAIN, 1500))
         for question in ("verdicts", "is_stable", "growth_rate")
     ],

@@ -169,6 +169,7 @@ def test_finite_differences_know_beams(ends: str) -> None:
 SOME = "clamped", "clamped-hinged", "hinged-clamped", "clamped-guided", "guided-free"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ends", "way"),
     [
@@ -331,6 +332,7 @@ def _at(system: Any, t: float) -> Any:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ends", ["hinged", *(pytest.param(ends, marks=pytest.mark.slow) for ends in ("clamped", "clamped-free"))]
 )

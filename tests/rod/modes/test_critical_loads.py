@@ -171,6 +171,7 @@ def test_ranges_begin_with_the_interval_up_to_the_critical_load() -> None:
             assert seed != 12
 
 
+@pytest.mark.slow
 def test_critical_loads_margins_and_verdicts_of_drawn_rods_agree() -> None:
     for seed in range(depth(25, 1)):
         question = drawn(np.random.default_rng([31, seed]))

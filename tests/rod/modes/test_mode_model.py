@@ -261,6 +261,7 @@ MODELS = {
 }
 
 
+@pytest.mark.slow
 def test_nobody_asks_which_model_it_has() -> None:
     for path in PACKAGE.rglob("*.py"):
         name = path.relative_to(PACKAGE).as_posix()

@@ -18,8 +18,8 @@ from tests.conftest import depth
 from tests.inside import CoupledModes
 
 TRUTH: list[dict[str, Any]] = json.loads((Path(__file__).parents[2] / "data" / "sections_truth.json").read_text())
-CONFIRMATIONS = (1, 2, 3, 5, 6, 9, 10)
-"""Cases of `make slow`: the other of two loads, one that grows and one that does not, and both on three walls."""
+CONFIRMATIONS = (1, 2, 3, 4, 5, 6, 7, 9, 10, 11)
+"""Cases of `make slow`: all but one of two walls and one of a wire."""
 IDS = [f"{i}-{each['name']}".replace(" ", "-") for i, each in enumerate(TRUTH)]
 OF_TRUTH = 1e-6
 """By which two meshes of the truth agree, relative."""
@@ -82,6 +82,7 @@ def test_sections_that_hardly_differ_hardly_differ_from_a_uniform_rod() -> None:
         assert one.growth_rate == pytest.approx(other.growth_rate, rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(4, 2)))
 def test_a_string_and_its_mirror_image_grow_alike(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -144,7 +145,7 @@ def test_a_string_is_a_value() -> None:
 
 
 @pytest.mark.parametrize("ends", ["hinged", "clamped", "free", "guided", "free-hinged", "clamped-free", "guided-free"])
-@pytest.mark.parametrize("count", [12, 60, pytest.param(210, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, *(pytest.param(count, marks=pytest.mark.slow) for count in (60, 210))])
 def test_the_basis_is_orthonormal_and_holds_its_ends(ends: str, count: int) -> None:
     rod = STRING.replace(ends=ends, bores=[(0.0, 0.12), (30.0 + 1e-5, 0.15)], channel_diameter=None)
     profile = Profile.of(rod)

@@ -246,6 +246,7 @@ drawn_bores = st.lists(st.tuples(st.floats(1.0, 5000.0), st.floats(0.11, 0.3)), 
 )
 
 
+@pytest.mark.slow
 @given(drawn_sections, drawn_bores)
 @settings(max_examples=depth(300, 30))
 def test_a_drawn_string_is_the_same_by_file_and_by_arguments(sections: list[dict[str, Any]], bores: list[Any]) -> None:

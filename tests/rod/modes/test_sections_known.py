@@ -67,7 +67,7 @@ OTHERS: dict[str, Callable[[fr.Rod], Any]] = {
     "probability": lambda rod: fr.probability_of_instability(rod, LOAD, {"youngs_modulus": (6e10, 7e10)}, samples=100),
     "simulate": lambda rod: fr.SimulationProblem(rod, LOAD, duration=1e-3, segments=60, frames=2).mesh,
 }
-LONG = {"stability under noise", "stability_map", "ranges"}
+LONG = {"stability under noise", "stability_map", "ranges", "critical"}
 """What takes a second."""
 
 UNTOUCHED = {

@@ -317,6 +317,7 @@ def test_the_largest_force_is_that_of_a_fine_grid(rng: np.random.Generator) -> N
             assert line.largest(load, np.array([frequency]))[0] == pytest.approx(found.factor, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "far_end", [pytest.param(end, marks=[pytest.mark.slow] * (k > 0)) for k, end in enumerate(FAR_ENDS)]
 )
@@ -423,7 +424,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("case", CASES[:2])
+@pytest.mark.parametrize("case", CASES[:1])
 def test_growth_is_that_of_finite_elements(case: tuple[fr.Rod, tuple[Any, ...]]) -> None:
     rod, values = case
     load = shaken(rod, *values)

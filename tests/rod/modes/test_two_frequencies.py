@@ -97,6 +97,7 @@ def test_modes_grow_as_in_long_integrations(seed: int) -> None:
     agree(seed, 10, 800)
 
 
+@pytest.mark.slow
 def test_commensurate_sines_are_one_load_with_harmonics() -> None:
     rng = np.random.default_rng(3)
     for _ in range(depth(60, 6)):
