@@ -177,7 +177,9 @@ def _check(options: argparse.Namespace) -> Output:
     if said.margins is None and options.margins is None:
         damping, rate = _damping(result)
         said.numbers.update(rate)
-        said = said._replace(not_searched=[("margins", _NOT_SEARCHED), *damping])
+        left_out = result.linear.left_out or ("what leaves the verdict undecided" * bool(result.linear.undecided_by))
+        why = f"not searched, because they would leave out {left_out}; add --margins for them" if left_out else ""
+        said = said._replace(not_searched=[("margins", why or _NOT_SEARCHED), *damping])
     said.lines.extend(undrawn)
     moved, sizes = _moved(question, result)
     said.lines.extend(moved)
@@ -244,7 +246,7 @@ def _margins(
 
     Of a record they do where they follow from tongues.  The verdict is said while the search takes its time.
     """
-    unasked = result.has_quick_margins if question.force is None else result.linear.has_exact_margins
+    unasked = result.has_quick_margins and (question.force is None or result.linear.has_exact_margins)
     if not (unasked if question.margins is None else question.margins):
         return None
     with Waiting(f"{result.status}; searching the margins", "percent") as progress:
@@ -303,7 +305,7 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
     without_noise = ", without noise" if question.load.noise else ""
     lines = [
         ("sine", f"of the same mean, amplitude and frequency{without_noise}: {sine.status}{_growing(sine)}"),
-        ("record", question.force.in_words(shown["force"], shown["frequency"])),
+        ("record", question.force._beside_in_words(question.load, shown["force"], shown["frequency"])),
     ]
     numbers = {
         "force_record": question.force.as_dict() | {"noise_in_error": True},

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.result_report import Report
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.common import (
     add_friction,
@@ -167,13 +168,17 @@ def _is_record_alone(options: argparse.Namespace) -> bool:
 
 
 class Ranges(NamedTuple):
-    """A question about loads on a rod: of each quantity a value or both ends of a range, or the values of ``like``."""
+    """A question about loads on a rod: of each quantity a value or both ends of a range, or the values of ``like``.
+
+    ``left_out`` are the sines of a measured force that ``like`` does not hold, in words.
+    """
 
     rod: fr.Rod
     like: Load
     values: dict[Quantity, list[float]]
     tolerance: float
     shown: dict[str, str]
+    left_out: str
 
     @property
     def varied(self) -> list[Quantity]:
@@ -196,14 +201,29 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     """Return the question that options ask."""
     _require_quantities(options)
     rod = read_rod(options)
-    _, like = _read_kind(options, rod)
+    record, like = _read_kind(options, rod)
     texts = {name: getattr(options, name) for name in QUANTITIES}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
     shown = read_units(options, rod, like)
     frequency = shown["frequency"] if typed_unit(options.frequency or "") else ""
     typed = units.GivenUnits(force=shown.get("force", ""), frequency=frequency)
     like = replace(like).given_in(typed.or_else(like.given_units))
-    return Ranges(rod, like, values, read_tolerance(options), shown)
+    left_out = "" if record is None else record._left_out_in_words(like)
+    return Ranges(rod, like, values, read_tolerance(options), shown, left_out)
+
+
+def without(
+    left_out: str, report: Callable[[], Report], numbers: Callable[[], dict[str, Any]]
+) -> tuple[Callable[[], Report], Callable[[], dict[str, Any]]]:
+    """Return an answer in words and numbers that says which sines of a measured force it leaves out, "" for none."""
+    if not left_out:
+        return report, numbers
+
+    def said() -> Report:
+        whole = report()
+        return replace(whole, headline=f"{whole.headline}, without {left_out}")
+
+    return said, lambda: numbers() | {"left_out": left_out}
 
 
 def warn_of_hertz(

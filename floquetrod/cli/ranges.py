@@ -7,7 +7,7 @@ from typing import Any
 
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, describe_command, figures, write_figures
-from floquetrod.cli.loads import add_question, read_ranges
+from floquetrod.cli.loads import add_question, read_ranges, without
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.model.constants import SLOW_GROWTH
@@ -47,7 +47,7 @@ def add(ranges: Parser) -> None:
 
 def _ranges(options: argparse.Namespace) -> Output:
     asked = read_ranges(options)
-    rod, like, values, tolerance, shown = asked
+    rod, like, values, tolerance, shown, left_out = asked
     varied = asked.varied
     if len(varied) != 1:
         other = (
@@ -68,4 +68,5 @@ def _ranges(options: argparse.Namespace) -> Output:
         found.find_unstable(progress)
     unit = shown[varied[0]]
     written = write_figures(options.out, lambda: found.plot(unit=unit))
-    return output(options, lambda: found.report(unit, full=options.full), found.as_dict, written=written)
+    said = without(left_out, lambda: found.report(unit, full=options.full), found.as_dict)
+    return output(options, *said, written=written)

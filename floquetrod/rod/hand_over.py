@@ -262,7 +262,7 @@ def _load(verdict: RodStability, shown: Mapping[str, Unit], options: _Options) -
     lines = [("force" * bool(name), text) for name, text in load_lines(verdict.load, shown, verdict.rod)]
     if options.record is None:
         return lines
-    return [*lines, ("record", options.record.in_words(shown["force"], shown["frequency"]))]
+    return [*lines, ("record", options.record._beside_in_words(verdict.load, shown["force"], shown["frequency"]))]
 
 
 def _rod_data(rod: RodData, units: AnswerUnits) -> Report:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second
 from floquetrod.rod.modes.mode_model import ModeModel
+from floquetrod.units import AnswerUnits
 
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
@@ -22,6 +23,8 @@ NOISE_OF_SENSOR = (
     "noise taken as an error of the sensor; if the force itself is random: --noise spectrum (Python: record.noisy_load)"
 )
 """What a verdict on the fit of a record, without noise on the rod, takes the noise for."""
+
+_NAMES = {code: name for name, code in STATUS_CODES.items()}
 
 
 def record_verdict(
@@ -35,9 +38,11 @@ def record_verdict(
 
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
     depart from the fit's by two standard errors; numbers that replace the record's are the same in all.  The root mean
-    square of the change in growth adds to the error; where one of them has another verdict, it is undecided.  So it is
-    where a line of the record, a sine that the fit does not hold, changes the verdict, or where that is not known.
-    ``progress`` is called with the numbers of verdicts and of forces decided and to decide.
+    square of the change in growth adds to the error.  The verdict is undecided where one of them has another verdict or
+    where the growth is within this error of the tolerance.  So it is where a line of the record, a sine that the fit
+    does not hold, changes the verdict, or where that is not known; where the mean at an end of a record with a trend
+    does; and where noise that is no sensor's, taken as a random force, does.  ``progress`` is called with the numbers
+    of verdicts and of forces decided and to decide.
     """
     trials = 0
 
@@ -47,17 +52,21 @@ def record_verdict(
         if progress is not None:
             progress(done, total + NOISE_DRAWS)
 
-    verdict = model.verdict(record.load, modes, growth_tolerance, fit_progress)
+    fit = record.load
+    verdict = replace(
+        model.verdict(fit, modes, growth_tolerance, fit_progress), left_out=record._left_out_in_words(fit)
+    )
     if verdict.status == "undecided":
         return verdict
-    chosen, draw_progress = None if modes is None else verdict.modes, shifted(progress, trials, trials)
-    _, fit_growth = _status_and_growth(model, record.load, chosen, growth_tolerance)
+    code, chosen = STATUS_CODES[verdict.status], None if modes is None else verdict.modes
+    draw_progress = shifted(progress, trials, trials)
+    _, fit_growth = _status_and_growth(model, fit, chosen, growth_tolerance)
     if math.isnan(fit_growth):
         fit_growth = verdict.growth_rate
     changes, others = [], 0
     for done, load in enumerate(record._within_errors(NOISE_DRAWS), start=1):
         status, growth = _status_and_growth(model, load, chosen, growth_tolerance)
-        others += status != STATUS_CODES[verdict.status]
+        others += status != code
         changes.append(growth - fit_growth)
         if draw_progress is not None:
             draw_progress(done, NOISE_DRAWS)
@@ -65,30 +74,59 @@ def record_verdict(
     note = f"noise in the record makes the growth rate uncertain by {noise:.2g} 1/s"
     if noise == verdict.growth_rate == 0.0:
         note = f"noise in the record: no mode grows at {NOISE_DRAWS} forces within its errors either"
+    doubts = []
     if others:
         note = f"{note}; the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
-    if not record.load.noise:
+        doubts.append("forces within the errors of the fit have another verdict")
+    elif 0.0 < abs(fit_growth - growth_tolerance) <= noise:
+        doubts.append("the noise in the record makes the growth rate too uncertain")
+    if not fit.noise:
         note = f"{note}; {NOISE_OF_SENSOR}"
-    lines = [_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines]
-    agree = all(status == STATUS_CODES[verdict.status] for status, _, _ in lines)
-    off = max((abs(growth - fit_growth) for _, growth, _ in lines), default=0.0)
+    trials_of_others = [
+        *(_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines),
+        *(_with_mean(model, record, mean, chosen, growth_tolerance) for mean in record._means),
+        *_with_residual(model, record, chosen, growth_tolerance),
+    ]
+    changing = [trial for trial in trials_of_others if trial.status != code]
+    doubts += [trial.doubt for trial in changing]
+    off = max((abs(trial.growth - fit_growth) for trial in trials_of_others if trial.adds), default=0.0)
+    said = (trial.note for trial in trials_of_others if trial.adds or trial in changing)
     return replace(
         verdict,
-        status="undecided" if others or not agree else verdict.status,
+        status="undecided" if doubts else verdict.status,
+        undecided_by=doubts[0] if doubts else "",
         error=verdict.error + noise + off,
-        note="; ".join(filter(None, [verdict.note, note, *(said for _, _, said in lines)])),
+        note="; ".join(filter(None, [verdict.note, note, *said])),
     )
+
+
+class _Trial(NamedTuple):
+    """A verdict on a force that the record may mean as well: status, growth, and both in words.
+
+    ``doubt`` says what changes the verdict; the growth counts as an error of the verdict where it ``adds``.
+    """
+
+    status: int
+    growth: float
+    note: str
+    doubt: str
+    adds: bool
 
 
 def _with_line(
     model: ModeModel, record: LoadSource, line: Second, modes: Sequence[int] | None, tolerance: float
-) -> tuple[int, float, str]:
-    """Return the code of the status with a line of a record as the second sine, the growth, and both in words.
+) -> _Trial:
+    """Return the verdict with a line of a record as the second sine.
 
     The status is undecided and the growth infinite where no verdict is known: beside noise or another second sine, with
     coupled modes, in a bend or along a wave.
     """
     sine = record._line_in_words(line)
+    doubt = f"the sine {sine} that the record holds beside the fit may change the verdict"
+    unknown = STATUS_CODES["undecided"], math.inf
+    if record.load.noise:
+        note = f"the sine {sine} beside the fit may change the verdict: what it does beside noise is not known; ask "
+        return _Trial(*unknown, f"{note}about it alone: --second {sine} without --noise", doubt, True)
     try:
         if record.load.second is not None:
             raise ValueError("a load has one second sine at most")
@@ -96,11 +134,44 @@ def _with_line(
         verdict = rod._modes_under(load).verdict(load, modes, tolerance)
     except ValueError:
         note = f"the sine {sine} beside the fit may change the verdict: what it does to this rod and load is not known"
-        return STATUS_CODES["undecided"], math.inf, note
-    growth = verdict.growth_rate
-    rate = f", {growth:.3g} 1/s" if growth > 0.0 else ""
-    said = f"with the sine {sine} that the record holds beside the fit: {verdict.status}{rate}"
-    return STATUS_CODES[verdict.status], growth, f"{said}; --second {sine} (Python: second=) tells more"
+        return _Trial(*unknown, note, doubt, True)
+    said = f"with the sine {sine} that the record holds beside the fit: {_in_words(verdict)}"
+    note = f"{said}; --second {sine} (Python: second=) tells more"
+    return _Trial(STATUS_CODES[verdict.status], verdict.growth_rate, note, said, True)
+
+
+def _with_mean(
+    model: ModeModel, record: LoadSource, mean: float, modes: Sequence[int] | None, tolerance: float
+) -> _Trial:
+    """Return the verdict with the mean at an end of a record that drifts."""
+    load = replace(record.load, mean=mean)
+    status, growth = _status_and_growth(model, load, modes, tolerance)
+    force = AnswerUnits.named(given=record.load.given_units).force
+    size, end = force.show(mean, 4), "beginning" if mean == record._means[0] else "end"
+    said = f"with the mean force at the {end} of the record, {size}, the rod is {_NAMES[status]}"
+    return _Trial(status, growth, f"{said}; the trend was removed as a drift of the sensor", said, False)
+
+
+def _with_residual(
+    model: ModeModel, record: LoadSource, modes: Sequence[int] | None, tolerance: float
+) -> Iterator[_Trial]:
+    """Yield the verdict with the residual of the fit as a random force, where it is too uneven for a sensor's noise."""
+    if not record._residual_density or record.lines or record.load.second is not None:
+        return
+    load, rod = replace(record.load, noise=record._residual_density), cast("Any", model.rod)
+    try:
+        verdict = rod._modes_under(load).verdict(load, modes, tolerance)
+    except ValueError:  # not known along a wave, say
+        return
+    said = f"with what the fit leaves as a random force the rod is in mean square {_in_words(verdict)}"
+    note = f"{said}; its spectrum is too uneven for the noise of a sensor"
+    yield _Trial(STATUS_CODES[verdict.status], verdict.growth_rate, note, said, False)
+
+
+def _in_words(verdict: RodStability) -> str:
+    """Return status and growth."""
+    rate = f", {verdict.growth_rate:.3g} 1/s" if verdict.growth_rate > 0.0 else ""
+    return f"{verdict.status}{rate}"
 
 
 def _status_and_growth(

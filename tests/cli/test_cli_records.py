@@ -43,7 +43,7 @@ def forces(text: str) -> set[str]:
 def test_a_record_is_shown_in_its_own_unit(unit: str, tmp_path: Path) -> None:
     record = fr.ForceRecord.from_csv(written(tmp_path, unit))
     assert record.given_units.force == unit
-    assert record.load.given_units == record.noisy_load.given_units == record.given_units
+    assert record.load.given_units == record.noisy_load.load.given_units == record.given_units
     assert f" {unit} " in repr(record)
     above, below = record.plot()
     assert (above.get_ylabel(), below.get_ylabel()) == (f"force $F$ / {unit}", f"amplitude / {unit}")

@@ -210,8 +210,8 @@ def bend_in_words(contact: str) -> str:
 def harmonics_in_words(along: MeanForce) -> str:
     """Return why what a tool gains is uncertain, of a string of which ``gain_is_uncertain`` is true."""
     return (
-        f"it moves the string at most {along.speed.max() / along.sliding:.3g} times as fast as the string slides; of so "
-        "slow a wave the neglected harmonics of friction may take half of the tool's gain or more"
+        f"it moves the string at most {along.speed.max() / along.sliding:.3g} times as fast as the string slides; of "
+        "so slow a wave the neglected harmonics of friction may take half of the tool's gain or more"
     )
 
 

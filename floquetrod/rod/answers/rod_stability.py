@@ -25,6 +25,7 @@ from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.references import ROD, references, united
+from floquetrod.floquet.status import Status
 from floquetrod.floquet.verdict import Stability, Verdict
 from floquetrod.rod.answers.evidence import (
     CoupledEvidence,
@@ -122,6 +123,10 @@ class RodStability(Reported, Verdict):
     evidence : Evidence
         Basis of the verdict, of independent or coupled modes, with noise and two frequencies as their own kinds: the
         equations of the modes, and the verdict on each or on all together.
+    left_out : str
+        Sines of a measured force, in words, that margins leave out; "" for none.
+    undecided_by : str
+        What about a measured force leaves the verdict undecided, in words; "" for nothing.
 
     Modes are numbered as the modes of the rod without axial force, between the same ends.  Attributes of one kind of
     modes only, such as `mode_verdicts` or `shape`, raise an AttributeError that says so for the other.
@@ -130,6 +135,8 @@ class RodStability(Reported, Verdict):
     model: VerdictModel
     growth_tolerance: float
     evidence: Evidence
+    left_out: str = ""
+    undecided_by: str = ""
 
     @property
     def rod(self) -> RodData:
@@ -418,7 +425,12 @@ class RodStability(Reported, Verdict):
 
     @property
     def has_quick_margins(self) -> bool:
-        """Whether margins take some seconds at most, as they do except for many modes without exact margins."""
+        """Whether margins take some seconds at most, as they do except for many modes without exact margins.
+
+        False, too, where they would leave out what counts in the verdict on a measured force.
+        """
+        if self.left_out or self.undecided_by:
+            return False
         if isinstance(self.evidence, TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
             return self.evidence.seconds <= _QUICK_VERDICT
         return self.has_exact_margins or self.modes_checked <= FEW_MODES
@@ -465,14 +477,18 @@ class RodStability(Reported, Verdict):
         evidence, shown = self.evidence, shown_in(units, self.rod, self.load)
         lines = subject_lines(self.rod, self.load, shown)
         if self.growth_rate > 0.0:
-            rate = f"{self.growth_rate:.6g} 1/s{_growing_mode(self)}"
+            rate = f"{self.growth_rate:.{_digits(self)}g} 1/s{_growing_mode(self)}"
             lines.append(("growth", f"{rate}, tenfold in {self.time_to_grow(10.0):.4g} s"))
         lines += _resonance_lines(evidence)
         if (place := self._place_of_growth) is not None:
             words = section_in_words(self.rod, place, answer_units(shown))
             lines.append(("", f"most in {words}, at {shown['length'].show(place, 4)} from the upper end"))
         if margins is not None:
-            lines += margin_lines(margins, self.status, shown, self._band_beyond)
+            # Those of the fit, whose status is known where a record has doubts beside.
+            fit_status: Status = "unstable" if self.growth_rate > self.growth_tolerance else "stable"
+            lines += margin_lines(margins, fit_status if self.undecided_by else self.status, shown, self._band_beyond)
+            left_out = self.left_out or ("what leaves the verdict undecided" if self.undecided_by else "")
+            lines += [("", f"margins and damping are of the fit alone and leave out {left_out}")] if left_out else []
             if not self.has_exact_margins:
                 lines.append(("", missed_changes(margins, shown)))
             lines += damping_lines(self)
@@ -513,6 +529,7 @@ class RodStability(Reported, Verdict):
         rod, load, near = self.rod, self.load, {}
         if margins is not None:
             near = margins_as_dict(margins, self._band_beyond) | by_keys(self, "damping_to_stabilise_per_s")
+            near |= {"margins_leave_out": left_out} if (left_out := self.left_out or self.undecided_by) else {}
         return {
             **by_keys(self, "status unstable_modes growth_rate_per_s decay_rate_per_s fastest_mode"),
             "time_to_grow_tenfold_s": plain(self.time_to_grow(10.0)),
@@ -577,7 +594,7 @@ def _headline(verdict: RodStability) -> str:
         slow = f"growth of {verdict.growth_rate:.3g} 1/s is within the tolerance of {verdict.growth_tolerance:g} 1/s"
         return f"{subject}: {slow if verdict.growth_rate > 0.0 else _nothing_grows(evidence)}"
     if status == "undecided":
-        return f"{subject}: {_undecided(evidence)}"
+        return f"{subject}: {_undecided(verdict)}"
     match evidence:
         case IndependentEvidence() | TwoFrequencyEvidence():
             modes = verdict.unstable_modes
@@ -591,6 +608,13 @@ def _headline(verdict: RodStability) -> str:
             return f"{subject}: {_noisy_modes_grow(verdict, evidence)}; {tenfold}"
         case NoisyCoupledEvidence() | TwoFrequencyCoupledEvidence():
             return f"{subject}: coupled modes grow, {tenfold}"
+
+
+def _digits(verdict: RodStability) -> int:
+    """Return the digits of a growth rate that its error leaves, of a rod under noise; 6 else."""
+    if not isinstance(verdict.evidence, NoisyEvidence) or not 0.0 < verdict.error < math.inf:
+        return 6
+    return min(6, max(2, math.ceil(math.log10(verdict.growth_rate / verdict.error)) + 1))
 
 
 def _within(verdict: RodStability) -> str:
@@ -615,8 +639,11 @@ def _nothing_grows(evidence: Evidence) -> str:
             return "nothing grows"
 
 
-def _undecided(evidence: Evidence) -> str:
+def _undecided(verdict: RodStability) -> str:
     """Return why a verdict is undecided."""
+    if verdict.undecided_by:
+        return verdict.undecided_by
+    evidence = verdict.evidence
     match evidence:
         case IndependentEvidence() | NoisyEvidence() | TwoFrequencyEvidence():
             rows: Any = zip(evidence.modes, evidence.mode_verdicts, strict=True)

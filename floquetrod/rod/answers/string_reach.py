@@ -34,9 +34,9 @@ from floquetrod.rod.answers.mean_force import (
     ASSUMED,
     MeanForce,
     bend_in_words,
-    harmonics_in_words,
     drag_of,
     force_in_newtons,
+    harmonics_in_words,
     mean_forces,
     spans,
 )

@@ -453,6 +453,20 @@ class LoadSource(ABC):
         """Return one of them as ``--second`` takes it."""
 
     @abstractmethod
+    def _left_out_in_words(self, load: Load) -> str:
+        """Return those that a load does not hold in words, "" without any."""
+
+    @property
+    @abstractmethod
+    def _means(self) -> tuple[float, ...]:
+        """Mean forces in N at the ends of what was measured, where they drift and the load has the mean of them."""
+
+    @property
+    @abstractmethod
+    def _residual_density(self) -> Noise:
+        """Density of what the load leaves of the force, where it is too uneven for a sensor's noise, else 0."""
+
+    @abstractmethod
     def _within_errors(self, count: int) -> Iterator[Load]:
         """Yield loads drawn within the errors of the load, the same ones in every call."""
 

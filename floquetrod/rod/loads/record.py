@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import cmath
+import functools
 import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +23,19 @@ from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
-from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, load_number
+from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Noise, Second, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_lines import LEAST_LINE, fitted_lines
-from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
+from floquetrod.rod.loads.record_period import PeriodicFit, even_bands, find, power_spectrum
 from floquetrod.tables.arguments import column_argument, delimiter_argument
 from floquetrod.units import Unit
 
 _LATEST = 1e12  # s
 _FEWEST = 12  # samples
-_BANDS, _IN_A_BAND = 512, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
 _NEWTON = units.unit("N", "", "force")
 _HERTZ = "Hz"  # in which a record's frequency is said, as its spectrum is drawn
+_UNEVEN = 8.0  # times its median, from which the density of noise is no sensor's; white noise has 2.5 (a choice)
 _ERRORS = 2.0  # standard errors by which drawn loads depart from the fit: 95 %
 _PULLED = 0.1  # mean pull over the amplitude, from which it is said (a choice)
 _PULLS = (
@@ -43,6 +44,14 @@ _PULLS = (
 )
 _APART, _SAME = 1.0, 0.01  # frequencies that the record tells apart, and of a frequency: a second sine is a line's
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
+
+
+class Band(NamedTuple):
+    """A band of the spectrum of a record's noise: its middle, the one-sided density there, and its standard error."""
+
+    hertz: float
+    density: float  # N^2/Hz
+    error: float  # relative to the density
 
 
 @constructor_hints()
@@ -272,16 +281,22 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         """Frequencies in Hz, and the one-sided spectral density there in N^2/Hz of the residual of the fit.
 
         The power of the residual averaged over bands of 16 independent frequencies or more, in records that have so
-        many, 512 bands at most: the standard error of each is a quarter of it or less, and noise is taken as even
-        within a band.  Nothing is known above half of the sampling rate.
+        many, 512 bands before the uneven ones are divided: the standard error of each is a quarter of it or less.  A
+        band in which the power is uneven beyond chance is divided into four, as long as four frequencies are left to
+        each, whose standard error is then a half; within a band noise is taken as even.  Nothing is known above half
+        of the sampling rate.
         """
+        return tuple((band.hertz, band.density) for band in self._bands)
+
+    @cached_property
+    def _bands(self) -> tuple[Band, ...]:
+        """The bands of the spectrum of the noise."""
         samples = Samples.of(self.time, self.samples)
         found = power_spectrum(samples, self._residual(samples))
         rate = (self.time.size - 1) / float(self.time[-1] - self.time[0])
-        hertz = found.step * np.arange(1, found.power.size + 1) / (2.0 * samples.half)
-        bands = self._bands
-        parts = zip(np.array_split(hertz, bands), np.array_split(2.0 / rate * found.power, bands), strict=True)
-        return tuple((float(at.mean()), float(density.mean())) for at, density in parts)
+        return tuple(
+            Band(at / (2.0 * samples.half), 2.0 / rate * power, error) for at, power, error in even_bands(found)
+        )
 
     @cached_property
     def lines(self) -> tuple[Second, ...]:
@@ -309,6 +324,19 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         residual: NDArray[np.float64] = level - self._vibration(self.frequency * self.time)
         return residual
 
+    @property
+    def _residual_density(self) -> Noise:
+        """The `noise_spectrum` where it is too uneven for a sensor's noise, else none."""
+        density = np.array([band.density for band in self._bands])
+        uneven = density.max() > _UNEVEN * float(np.median(density))
+        return self.noise_spectrum if uneven else 0.0
+
+    @property
+    def _means(self) -> tuple[float, ...]:
+        """Mean forces in N at the beginning and the end of a record with a trend."""
+        change = 0.5 * self.trend * float(self.time[-1] - self.time[0])
+        return (self.mean - change, self.mean + change) if change else ()
+
     def _line_in_words(self, line: Second) -> str:
         """Return a line as ``--second`` takes it, in the unit of the record."""
         unit = self._force_unit
@@ -328,21 +356,17 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=waveform)
 
     @property
-    def _bands(self) -> int:
-        """Number of bands of the spectrum of the noise."""
-        return max(1, min(_BANDS, self.time.size // (2 * _IN_A_BAND)))
+    def noisy_load(self) -> ChangedRecord:
+        """The record with the spectrum of its residual as the noise of its load: verdicts are those in mean square.
 
-    @property
-    def noisy_load(self) -> AxialLoad:
-        """The `load` with the spectrum of the residual as its noise, so that verdicts are those in mean square.
-
-        With the record itself, or its `load`, in place of a load the noise only makes the verdict uncertain.  Warns of
-        `lines`, whose power a spectrum spreads over a band as if they were noise.
+        As an argument it stands for its ``load``; `Rod.stability` counts the errors of its numbers and densities.  With
+        the record itself in place of a load the noise only makes the verdict uncertain.  Warns of `lines`, whose power
+        a spectrum spreads over a band as if they were noise.
         """
-        for said in self._lines_in_words("the record"):
-            hidden = f"{said}; as noise its power is spread over a band, which may hide that it makes the rod unstable"
-            warnings.warn(Message(hidden, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
-        return replace(self.load, noise=self.noise_spectrum).given_in(self.given_units)
+        noisy = ChangedRecord(self, functools.partial(_with_noise, self.noise_spectrum))
+        for said in self._lines_in_words("the record", noisy.load):
+            warnings.warn(Message(said, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
+        return noisy
 
     @cached_property
     def harmonic_numbers(self) -> tuple[int, ...]:
@@ -422,6 +446,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 
     def in_words(self, force: Unit, frequency: Unit | None = None) -> str:
         """Return the fit as a sentence, with a unit of frequency that in place of the period."""
+        return self._beside_in_words(self.load, force, frequency)
+
+    def _beside_in_words(self, load: Load, force: Unit, frequency: Unit | None = None) -> str:
+        """Return the fit as a sentence, as `in_words`, beside a load that may hold some of the lines."""
         off = self.frequency_error / self.frequency
         digits = min(max(math.ceil(-math.log10(off)) + 1, 3), 8) if off > 0.0 else 8
         often = f"period {self.period:.{digits}g} s +- {self.period * off:.1g} s"
@@ -438,7 +466,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         named = {"time is in seconds": self.time_unit_named, "force is in newtons": self.force_unit_named}
         taken = " and ".join(words for words, is_named in named.items() if not is_named)
         notes = [f"the file names no unit, so {taken}"] * bool(taken) + [note] * bool(note)
-        return "; ".join([text, *notes, *self._lines_in_words("it"), *self._pull_in_words("it")])
+        return "; ".join([text, *notes, *self._lines_in_words("it", load), *self._pull_in_words("it")])
 
     def _lines_beside(self, second: Second | None) -> tuple[Second, ...]:
         """Return the lines other than the second sine of a load."""
@@ -447,14 +475,22 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         apart = _APART * self.frequency / self.periods
         return tuple(line for line in self.lines if abs(line[1] - second[1]) > max(apart, _SAME * line[1]))
 
-    def _lines_in_words(self, it: str, second: Second | None = None) -> list[str]:
+    def _lines_in_words(self, it: str, load: Load) -> list[str]:
         """Return which lines the force, ``it``, holds beside the fit and the second sine of a load."""
-        lines = self._lines_beside(second)
+        lines = self._lines_beside(load.second)
         if not lines:
             return []
         sines = " and ".join(map(self._line_in_words, lines))
         many = "sines, or noise in narrow bands," if len(lines) > 1 else "a sine, or noise in a narrow band,"
-        return [f"{it} holds {many} beside the fit: {sines}; --second adds one (Python: second=)"]
+        what = "--second adds one (Python: second=)"
+        if load.noise:
+            what = "as noise its power is spread over a band, which may hide that it makes the rod unstable"
+        return [f"{it} holds {many} beside the fit: {sines}; {what}"]
+
+    def _left_out_in_words(self, load: Load) -> str:
+        """Return the lines of the record that a load does not hold, "" without any."""
+        sines = [self._line_in_words(line) for line in self._lines_beside(load.second)]
+        return f"the sine{'s' * (len(sines) > 1)} {' and '.join(sines)} of the record" if sines else ""
 
     def _pull_in_words(self, it: str) -> list[str]:
         """Return that the force pulls on average, of ``it``, where it does so by a tenth of its amplitude or more."""
@@ -496,13 +532,24 @@ class ChangedRecord(LoadSource):
         """The lines of the record that the changed load does not hold as its second sine."""
         return self.record._lines_beside(self.load.second)
 
+    def _left_out_in_words(self, load: Load) -> str:
+        return self.record._left_out_in_words(load)
+
+    @property
+    def _means(self) -> tuple[float, ...]:
+        return self.record._means if self.load.mean == self.record.mean else ()
+
+    @property
+    def _residual_density(self) -> Noise:
+        return 0.0 if self.load.noise else self.record._residual_density
+
     def _line_in_words(self, line: Second) -> str:
         return self.record._line_in_words(line)
 
     def _within_errors(self, count: int) -> Iterator[Load]:
         """Yield loads as `ForceRecord`; where its spectrum is their noise, each band departs by two standard errors."""
         random, spectrum = np.random.default_rng(0), self.record.noise_spectrum if self.load.noise else ()
-        off = _ERRORS / math.sqrt(self.record.time.size / (2.0 * self.record._bands))
+        off = _ERRORS * np.array([band.error for band in self.record._bands]) if spectrum else np.empty(0)
         for load in map(self.change, self.record._within_errors(count)):
             if load.noise and load.noise == spectrum:
                 factors = np.exp(off * random.standard_normal(len(spectrum))).tolist()
@@ -510,6 +557,11 @@ class ChangedRecord(LoadSource):
                 yield replace(load, noise=noise)
             else:
                 yield load
+
+
+def _with_noise(noise: tuple[tuple[float, float], ...], fit: Load) -> Load:
+    """Return a load with noise."""
+    return replace(fit, noise=noise).given_in(fit.given_units)
 
 
 def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:

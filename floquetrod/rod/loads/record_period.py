@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ _GUESS_HARMONICS = 5  # whose power tells where the frequency is (a choice)
 _COARSE = 0.05  # error of a frequency that is refined later, relative to its standard error (a choice)
 _KNOWN = 0.1  # radians at the ends of a record that the frequency leaves open in its highest harmonic (a choice)
 _MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second
+_BANDS, _IN_A_BAND = 512, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
+_UNEVEN_BAND = 0.01  # chance that even noise divides any band (a choice)
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 
@@ -287,6 +290,31 @@ def _transformed(grid: Floats, cells: int, size: int, highest: float, count: int
     step = cells / size
     found = rfft(grid, size)[1 : int(highest / step) + 1]
     return Spectrum(step, (found.real**2 + found.imag**2) / count)
+
+
+def even_bands(found: Spectrum) -> Iterator[tuple[float, float, float]]:
+    """Yield the middles in periods per record, the mean power and its relative standard error in bands of a spectrum.
+
+    Bands have 16 independent frequencies or more; one whose quarters differ beyond chance is divided into these.
+    """
+    # Bartlett's test: of four means of k exponential powers each, 2 k sum(log(mean of all) - log(mean)) is distributed
+    # as chi squared with three degrees of freedom, almost.
+    from scipy.special import chdtri
+
+    at = found.step * np.arange(1, found.power.size + 1)
+    number = max(1, min(_BANDS, int(found.power.size * found.step) // _IN_A_BAND))
+    left = list(zip(np.array_split(at, number), np.array_split(found.power, number), strict=True))[::-1]
+    limit = chdtri(3.0, _UNEVEN_BAND / number)
+    while left:
+        places, power = left.pop()
+        quarters = list(zip(np.array_split(places, 4), np.array_split(power, 4), strict=True))
+        independent = found.step * power.size
+        if independent >= _IN_A_BAND - 1.0 and power.min() > 0.0:
+            means = np.array([quarter.mean() for _, quarter in quarters])
+            if 0.5 * independent * float(np.sum(math.log(power.mean()) - np.log(means))) > limit:
+                left.extend(quarters[::-1])
+                continue
+        yield float(places.mean()), float(power.mean()), 1.0 / math.sqrt(max(1.0, independent))
 
 
 def coloured(samples: Samples, found: Fit, residual: Spectrum) -> Floats:

@@ -303,7 +303,7 @@ def warn_of_load(rod: Any, load: Load, source: LoadSource | None = None) -> None
 
 def warn_of_record(rod: Any, record: Any, load: Any) -> None:
     """Warn of a record with suspicious times, a pull on average, a force without a unit or lines not in the load."""
-    said = (*record._pull_in_words("the record"), *record._lines_in_words("the record", load.second))
+    said = (*record._pull_in_words("the record"), *record._lines_in_words("the record", load))
     suspicions = [*suspicions_of_times(record), *said]
     if not record.force_unit_named:  # taken in N, whatever it is
         forces = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))

@@ -127,7 +127,7 @@ def test_a_line_is_no_noise() -> None:
         fr.PlausibilityWarning,
         match="holds a sine, or noise in a narrow band, beside the fit: .* as noise its power is spread",
     ):
-        assert record(0.25).noisy_load.noise
+        assert record(0.25).noisy_load.load.noise
 
 
 @pytest.mark.slow

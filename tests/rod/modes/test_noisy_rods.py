@@ -364,7 +364,7 @@ def test_the_residual_of_a_record_is_its_noise() -> None:
     assert np.abs(np.array(density) / np.mean(density) - 1.0).max() < 4.0 * 0.25  # four standard errors of each
     assert found[-1][0] < 200.0
     noisy = record().noisy_load
-    assert noisy.noise == found
+    assert noisy.load.noise == found
     assert ROD.stability(noisy).status == "stable"
 
 
