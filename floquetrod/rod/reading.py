@@ -54,6 +54,7 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
         return None
     columns = (column_text(given[name]) for name in ("time_column", "force_column"))
     from floquetrod.rod.loads.record import ForceRecord
+    from floquetrod.rod.loads.record_period import NoPeriodError
 
     wanted = "a text file with columns of time and force"
     require_file(named("force"), Path(given["force"]), wanted)
@@ -61,6 +62,8 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
         return ForceRecord.from_csv(
             given["force"], *columns, time_unit=given["time_unit"], force_unit=given["force_unit"]
         )
+    except NoPeriodError:  # whose file was read
+        raise
     except (ValueError, OSError) as error:
         about = argument_of(error)
         is_of_options = about is not None and about.name in _OF_COLUMNS

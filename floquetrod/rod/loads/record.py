@@ -27,7 +27,7 @@ from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Noise, 
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_lines import LEAST_LINE, fitted_lines
-from floquetrod.rod.loads.record_period import PeriodicFit, even_bands, find, power_spectrum
+from floquetrod.rod.loads.record_period import NoPeriodError, PeriodicFit, even_bands, find, power_spectrum
 from floquetrod.tables.arguments import column_argument, delimiter_argument
 from floquetrod.units import Unit
 
@@ -122,9 +122,15 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     record of 100 (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A
     longer period than the strongest frequency's is chosen where its further harmonics pass a sharper test, one in 1000
     records, and, where the record has fewer than four such periods, are a tenth of all: a drift makes smaller ones.
+    Where noise in a narrow band about the strongest harmonic is as strong, as that of a frequency that wanders, it is
+    kept all the same; ``note`` says so, and the frequency may then be off by more than its error.
+
     Errors follow from least squares with white noise; about harmonics where the spectrum of the residual is
-    significantly higher than white noise, they grow with it.  Aliases of frequencies above half the sampling rate
-    cannot be distinguished from the harmonics that they coincide with.
+    significantly higher than white noise, they grow with it, and nowhere shrink.  In records drawn with bands of noise
+    of four times the reciprocal of the record's duration or more, about the harmonic or beside it, amplitude and
+    frequency are off by 0.7 to 1.3 standard errors in the root mean square; in narrower bands by more.  The mean is off
+    by more in noise that grows towards frequency 0, such as a drift that is no straight line.  Aliases of frequencies
+    above half the sampling rate cannot be distinguished from the harmonics that they coincide with.
 
     Answers about a record are in its unit of force and in Hz.
 
@@ -249,6 +255,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             raise error_in(f"force record {path}", error) from None
         try:
             record = cls(found.time, found.force, harmonics, frequency)
+        except NoPeriodError as error:
+            shown = units.unit(found.force_unit or "N", "", "force")
+            said = str(error) if error.problem is None else f"force {error.problem(shown)}"
+            raise NoPeriodError(f"force record {path}: {said}") from None
         except ValueError as error:  # about the samples, not about which columns hold them
             raise ValueError(f"force record {path}: {error}") from None
         object.__setattr__(record, "force_unit_named", bool(found.force_unit))
@@ -656,13 +666,17 @@ def _note(trend: str, found: PeriodicFit, missing: int, most: int | None) -> str
         parts.append(f"{tested} harmonics fitted: the sampling allows no more")
     if found.beyond:
         some = ", ".join(map(str, found.beyond[:3])) + (" and others" if len(found.beyond) > 3 else "")
-        parts.append(f"harmonics {some} above the noise but not fitted: give harmonics={found.beyond[-1]} or so")
+        parts.append(f"harmonics {some} above the noise but not fitted (Python: harmonics={found.beyond[-1]})")
     above = [number for number, factor in zip((0, *found.fit.numbers), found.factors, strict=True) if factor > 1.0]
     if above:
         where = " and ".join(
             [*["frequency 0"] * (0 in above), *[f"harmonics {', '.join(map(str, filter(None, above)))}"] * any(above)]
         )
+        accounted = "" if found.wanders else ", which the errors account for"
+        parts.append(f"noise about {where} up to {found.factors.max():.2g} times its average{accounted}")
+    if found.wanders:
         parts.append(
-            f"noise about {where} up to {found.factors.max():.2g} times its average, which the errors account for"
+            "no harmonic stands above the noise next to it, and the strongest is kept: the force may be random there, "
+            "or its frequency wander, by more than its error"
         )
     return "; ".join(parts)

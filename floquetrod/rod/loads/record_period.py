@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
 from floquetrod.rod.loads.record_fit import Fit, Samples, fit
+from floquetrod.units import Unit
 
 FALSE_HARMONIC = 0.01
 """Chance that white noise alone puts any harmonic of a record among those kept (a choice)."""
@@ -18,10 +20,13 @@ FALSE_HARMONIC = 0.01
 FEWEST_PERIODS = 1.9
 """Periods that a record has at least: two, less the error of the period."""
 
+_NEWTON = Unit("N", 1.0)
 _MOST_HARMONICS = 20  # searched for by default (a choice)
 _DEEPEST = 10  # number of the strongest harmonic at most (a choice)
 _FALSE_PERIOD = 1e-3  # chance that white noise alone passes for a period, or multiplies it (a choice)
 _COLOURED = 1e-3  # chance that white noise counts as stronger about one frequency than on average (a choice)
+_NEAREST = 2.0  # frequencies that the record tells apart, on a side, whose noise is averaged at least (a choice)
+_LEAST_FREEDOM = 2.0  # of an average of noise (a choice)
 _FALSE_TREND = 0.01  # chance that white noise alone passes for a trend (a choice)
 _WORTH_A_FIT = 8.0  # power over that of the noise above which a frequency between harmonics is fitted (a choice)
 _PRIMES = (2, 3, 5, 7)  # factors of the numbers up to `_DEEPEST`
@@ -44,6 +49,7 @@ class PeriodicFit(NamedTuple):
     every: Fit  # of all harmonics searched for
     beyond: tuple[int, ...]  # harmonics above the noise that were not searched for
     factors: Floats  # how many times the noise about 0 and each harmonic kept exceeds its average, in amplitude
+    wanders: bool  # no harmonic stands above the noise next to it: the strongest is kept
 
 
 def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit:
@@ -64,15 +70,38 @@ def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit
         periods, tried = _near(samples, power, guess, most)
         best = _climb(samples, periods, most, _GUESS_HARMONICS)
     if best is None:
-        raise _without_period("the fit does not settle")
+        raise _without_period(samples, "the fit does not settle")
     if best.omega < FEWEST_PERIODS * math.pi:
         raise _too_short(best.omega / math.pi)
     return _kept(samples, best, tried, most)
 
 
-def _without_period(why: str) -> ValueError:
-    return wrong_value(
-        "force", f"shows no period above the noise: {why}; record longer, or give its frequency in rad/s"
+class NoPeriodError(ValueError):
+    """Samples show no period, or not two; ``problem`` says the first in a unit of force."""
+
+    problem: Callable[[Unit], str] | None = None
+
+
+def _without_period(samples: Samples, why: str) -> ValueError:
+    # Variance v of samples at a rate r is that of noise of the one-sided density 2 v / r up to r / 2.
+    rate = (samples.tau.size - 1) / (2.0 * samples.half)
+    mean = samples.offset + samples.scale * float(samples.values.mean())
+    density = 2.0 * samples.scale**2 * float(samples.values.var()) / rate
+    problem = partial(_random_alone, why, mean, density)
+    error = wrong_value("force", problem(_NEWTON), kind=NoPeriodError)
+    error.__dict__["problem"] = problem
+    return error
+
+
+def _random_alone(why: str, mean: float, density: float, unit: Unit) -> str:
+    """Return that there is no period, and what to give for noise alone of a mean in N and a density in N^2/Hz."""
+    each = unit, Unit(f"{unit.name}^2/Hz", unit.size**2)
+    push, noise = (one.show(value, 4).replace(" ", "") for one, value in zip(each, (mean, density), strict=True))
+    return (
+        f"shows no period above the noise: {why}; record longer, or give its frequency (Python: frequency=, in "
+        f"rad/s); where it is random alone, with one density at all frequencies, give its mean and its density: --mean "
+        f"{push} --amplitude 0{unit.name} --noise {noise} and any --frequency, such as 1Hz, as no sine acts (Python: "
+        f'fr.AxialLoad("{push}", 0, "1Hz", noise="{noise}"))'
     )
 
 
@@ -80,7 +109,9 @@ def _too_short(periods: float) -> ValueError:
     return wrong_value(
         "force",
         f"must be recorded for two periods or more, got {periods:.2g}: its strongest variation takes "
-        f"{1.0 / periods:.2g} of the time recorded; record longer, or give its frequency (rad/s) where that is a drift",
+        f"{1.0 / periods:.2g} of the time recorded; record longer, or give its frequency where that is a drift "
+        "(Python: frequency=, in rad/s)",
+        kind=NoPeriodError,
     )
 
 
@@ -95,7 +126,7 @@ def _strongest(samples: Samples, power: Spectrum, level: Floats) -> float:
     variance = max(float(level @ level) / level.size, samples.rounding**2)
     tried = power.power.size * power.step
     if math.log(tried) - power.power[top] / variance > math.log(_FALSE_PERIOD):
-        raise _without_period("white noise would have as strong a frequency")
+        raise _without_period(samples, "white noise would have as strong a frequency")
     shift = 0.0
     if 0 < top < power.power.size - 1:
         before, at, after = power.power[top - 1 : top + 2]
@@ -196,7 +227,7 @@ def _significant(samples: Samples, found: Fit, penalty: float) -> tuple[Fit, Spe
     """
     left = _left(samples, found)
     for _ in range(2):
-        chances = found.with_noise(coloured(samples, found, left)).log_chances()
+        chances = found.with_noise(coloured(found, left)).log_chances()
         chosen = tuple(np.array(found.numbers)[chances < -penalty].tolist())
         if chosen == found.numbers:
             break
@@ -223,23 +254,27 @@ def _score(samples: Samples, found: Fit, penalty: float) -> float:
 def _kept(samples: Samples, best: Fit, tried: float, most: int) -> PeriodicFit:
     """Return the fit of the harmonics above the noise, with a trend where there is one."""
     left = _left(samples, best)
-    every = best.with_noise(coloured(samples, best, left))
-    chances = every.log_chances()
-    numbers = tuple(np.array(every.numbers)[chances < math.log(FALSE_HARMONIC / len(every.numbers))].tolist())
-    if not numbers or chances.min() + math.log(tried) > math.log(_FALSE_PERIOD):
-        raise _without_period("noise would have as strong a frequency")
+    on_average = best.with_noise(coloured(best, left, math.inf)).log_chances()
+    every = best.with_noise(coloured(best, left))
+    least = math.log(FALSE_HARMONIC / len(every.numbers))
+    if on_average.min() > least or on_average.min() + math.log(tried) > math.log(_FALSE_PERIOD):
+        raise _without_period(samples, "noise would have as strong a frequency")
+    above = every.log_chances() < least
+    wanders = not above.any()
+    above[on_average.argmin()] |= wanders
+    numbers = tuple(np.array(every.numbers)[above].tolist())
     trend = every.trend_chance() < math.log(_FALSE_TREND)
     found = fit(samples, every.omega, numbers, trend=trend)
     if found is None:
-        raise _without_period("the fit does not settle")
+        raise _without_period(samples, "the fit does not settle")
     left = _left(samples, found)
-    factors = coloured(samples, found, left)
+    factors = coloured(found, left)
     beyond: list[int] = []
     if len(every.numbers) == most:
         further = np.arange(most + 1, int(samples.highest * math.pi / found.omega) + 1)
         power = left.at(further * (found.omega / math.pi))
         beyond = further[power > found.variance * math.log(max(1, further.size) / FALSE_HARMONIC)].tolist()
-    return PeriodicFit(found.with_noise(factors), every, tuple(beyond), factors)
+    return PeriodicFit(found.with_noise(factors), every, tuple(beyond), factors, wanders)
 
 
 # --- spectra ---
@@ -317,28 +352,36 @@ def even_bands(found: Spectrum) -> Iterator[tuple[float, float, float]]:
         yield float(places.mean()), float(power.mean()), 1.0 / math.sqrt(max(1.0, independent))
 
 
-def coloured(samples: Samples, found: Fit, residual: Spectrum) -> Floats:
+def coloured(found: Fit, residual: Spectrum, nearest: float = _NEAREST) -> Floats:
     """Return how many times the noise about frequency 0 and about each harmonic exceeds its average, in amplitude.
 
-    1 where the excess may be chance.  The noise about a harmonic is the power of the residual within half the
-    fundamental, or four frequencies that the record tells apart, except for what the fit has taken out: on the side
-    where it is stronger, as the noise of a drift falls with frequency.
+    1 where the excess may be chance.  The noise about a harmonic is the mean power of the residual on both sides,
+    except for what the fit has taken out, within ``nearest`` frequencies that the record tells apart, twice as many and
+    so on up to half the fundamental.  The narrowest counts whose excess is chance once in a thousand records, as a band
+    of noise may be narrow.
     """
     from scipy.special import chdtri
 
+    # The power of white noise over its variance, averaged over n / 2 independent frequencies, is chi^2 of n degrees of
+    # freedom over n; the chance is shared out among the averages.  An error from so few is more often too small: over
+    # an average with n degrees of freedom the square of an error is n / (n - 2) on average, as in Student's t.
     base = found.omega / math.pi
     free = np.ones(residual.power.size, dtype=bool)
     for number in (0, *found.numbers):
         free[residual.within(number * base - 0.75, number * base + 0.75)] = False
-    reach = max(4.0, 0.5 * base)
+    widest = max(2.0 * _NEAREST, 0.5 * base)
+    narrower = math.ceil(math.log2(max(1.0, widest / nearest)))
+    reaches = [nearest * 2.0**place for place in range(narrower)] + [widest]
     factors = np.ones(len(found.numbers) + 1)
     for place, number in enumerate((0, *found.numbers)):
-        at = number * base
-        for side in (residual.within(at - reach, at), residual.within(at, at + reach)):
-            power = residual.power[side][free[side]]
+        for reach in reaches:
+            about = residual.within(number * base - reach, number * base + reach)
+            power = residual.power[about][free[about]]
             freedom = 2.0 * power.size * residual.step
-            if freedom >= 2.0:
-                ratio = power.mean() / found.variance
-                if ratio > chdtri(freedom, _COLOURED) / freedom:
-                    factors[place] = max(factors[place], math.sqrt(ratio))
+            if freedom < _LEAST_FREEDOM:
+                continue
+            ratio = float(power.mean()) / found.variance
+            if ratio > chdtri(freedom, _COLOURED / len(reaches)) / freedom:
+                factors[place] = math.sqrt(ratio * freedom / max(freedom - 2.0, 0.5))
+                break
     return factors

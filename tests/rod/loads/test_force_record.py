@@ -193,6 +193,54 @@ def test_errors_hold_in_noise_that_is_not_white(rng: np.random.Generator) -> Non
     assert "times its average" in record.note
 
 
+def in_a_band(rng: np.random.Generator, time: NDArray[np.float64], middle: float, width: float) -> NDArray[np.float64]:
+    """Return noise of rms 1 in a band of frequencies in Hz."""
+    frequency = np.fft.rfftfreq(4 * time.size, time[1])
+    inside = np.abs(frequency - middle) <= 0.5 * width
+    parts = inside * (rng.standard_normal(frequency.size) + 1j * rng.standard_normal(frequency.size))
+    noise = np.fft.irfft(parts, 4 * time.size)[: time.size]
+    return noise * (4 * time.size) / (2.0 * math.sqrt(float(inside.sum())))
+
+
+@pytest.mark.parametrize(
+    ("width", "beside"),
+    [(0.3, 0.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.14, 0.0), (2.0, 0.0), (0.3, 0.15)))],
+)
+def test_errors_hold_in_a_narrow_band_of_noise(width: float, beside: float, rng: np.random.Generator) -> None:
+    """Where an average over half the fundamental would underestimate the noise several times."""
+    time, many, scaled = np.arange(2400) / 80.0, depth(100, 50), []
+    for _ in range(many):
+        angle = 2.0 * math.pi * 8.1 * time + rng.uniform(0.0, 2.0 * math.pi)
+        noise = 0.2 * in_a_band(rng, time, 8.1 + beside, width) + 0.04 * rng.standard_normal(time.size)
+        record = fr.ForceRecord(time, np.sin(angle) + noise, harmonics=3)
+        assert record.harmonic_numbers == (1,)
+        off = (record.frequency - 2.0 * math.pi * 8.1) / record.frequency_error
+        scaled.append((off, (abs(record.harmonics[0]) - 1.0) / record.harmonic_errors[0]))
+        assert "which the errors account for" in record.note
+    for size in np.sqrt(np.mean(np.square(scaled), axis=0)):
+        assert 0.7 < size < 1.4
+
+
+def test_noise_about_a_harmonic_is_no_harmonic(rng: np.random.Generator) -> None:
+    """Noise in a band is stronger there than on average, and no sine."""
+    time, false = np.arange(2400) / 80.0, 0
+    for _ in range(20):
+        noise = 0.2 * in_a_band(rng, time, 16.2, 0.8) + 0.02 * rng.standard_normal(time.size)
+        record = fr.ForceRecord(time, np.sin(2.0 * math.pi * 8.1 * time) + noise, harmonics=3)
+        false += record.harmonic_numbers != (1,)
+    assert false <= 2
+
+
+def test_a_harmonic_no_stronger_than_the_noise_next_to_it_is_kept_with_a_note(rng: np.random.Generator) -> None:
+    """As that of a tool whose speed wanders."""
+    time = np.arange(2400) / 80.0
+    phase = np.cumsum(rng.standard_normal(time.size)) * math.sqrt(2.0 / 80.0)
+    record = fr.ForceRecord(time, np.sin(2.0 * math.pi * 8.1 * time + phase) + 0.02 * rng.standard_normal(time.size))
+    assert record.frequency == pytest.approx(2.0 * math.pi * 8.1, rel=0.03)
+    assert "no harmonic stands above the noise next to it" in record.note
+    assert "the errors account for" not in record.note
+
+
 def test_a_trend_is_reported_and_no_part_of_the_force(rng: np.random.Generator) -> None:
     case = made(rng)
     record = fr.ForceRecord(*trend(case, rng))
@@ -238,7 +286,7 @@ def test_harmonics_are_limited_by_the_sampling_and_by_the_argument(rng: np.rando
     assert "no more" in fr.ForceRecord(time, force, harmonics=40).note
     few = fr.ForceRecord(time, force, harmonics=3)
     assert few.harmonic_numbers == (1, 3)
-    assert "harmonics 5" in few.note
+    assert "harmonics 5, 7, 9 and others above the noise but not fitted (Python: harmonics=" in few.note
     with pytest.raises(ValueError, match=r"harmonics must be at most 8 for 20 samples"):
         fr.ForceRecord(time[:20], force[:20], harmonics=9)
 
@@ -305,6 +353,22 @@ def test_noise_alone_is_refused(rng: np.random.Generator) -> None:
         for _ in range(30):
             with pytest.raises(ValueError, match="shows no period"):
                 fr.ForceRecord(np.arange(size) * 0.01, rng.standard_normal(size))
+
+
+def test_noise_alone_is_told_how_to_be_given(rng: np.random.Generator, tmp_path: Path) -> None:
+    """With its mean and its density, in newtons and in the unit of a file."""
+    time, force = np.arange(4000) * 0.01, 50.0 + 3.0 * rng.standard_normal(4000)
+    path = tmp_path / "random.csv"
+    np.savetxt(path, np.c_[time, force], "%.9g", ",", header="time / s,force / lbf", comments="")
+    for unit, ask in (("N", lambda: fr.ForceRecord(time, force)), ("lbf", lambda: fr.ForceRecord.from_csv(path))):
+        with pytest.raises(ValueError, match="shows no period") as refused:
+            ask()
+        mean, density = f"{force.mean():.4g}{unit}", f"{2.0 * force.var() / 100.0:.4g}{unit}^2/Hz"
+        assert f"--mean {mean} --amplitude 0{unit} --noise {density} and any --frequency" in str(refused.value)
+        assert f'fr.AxialLoad("{mean}", 0, "1Hz", noise="{density}")' in str(refused.value)
+        load = fr.AxialLoad(mean, 0, "1Hz", noise=density)
+        assert load.noise == pytest.approx(2.0 * np.var(force) / 100.0 * units.units_of("force")[unit] ** 2, rel=1e-3)
+        assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
 
 
 TIME, FORCE, *_ = made(np.random.default_rng(3), rate=100)
