@@ -60,7 +60,8 @@ def draw_ranges(
         points.append((0.5 * (left + right), _SPAN * top))
     add_leaders(ax, names, points, bars)
     ax.set_xlabel(units.label(*NAMES[found.searched.search.varied], unit.name))
-    ax.set_ylabel("fastest growth / (1/s)")
+    what = "growth of $q^2$" if found.searched.search.load.noise else "growth"
+    ax.set_ylabel(f"fastest {what} / (1/s)")
     ax.set_title(_title(found, unit), fontsize="medium")
     areas = [colours("", "stable")[1]]
     if found.unstable:

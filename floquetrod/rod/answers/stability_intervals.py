@@ -21,8 +21,11 @@ from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import LOAD, Load, Quantity
 from floquetrod.rod.model.data import RodData
 
-WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
-"""The growing mode: (mode, tongue), a resonance of coupled modes, or "unnamed" where it could not be determined."""
+WhatGrows: TypeAlias = tuple[int, int] | int | Resonance | Literal["unnamed"]
+"""The growing mode: (mode, tongue), a resonance of coupled modes, or "unnamed" where it could not be determined.
+
+The mode alone under noise and two frequencies, where growth belongs to no single tongue.
+"""
 
 Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
 """The cause of an end of an interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
@@ -33,6 +36,9 @@ Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
 
 
 BEYOND = 0.01  # of a quantity, up to which the band is looked into in which a margin ends (a choice)
+
+_OF_SQUARES = "is that of q^2 on average, twice that of amplitudes"
+"""What growth is under noise."""
 
 
 class BucklingWarning(UserWarning):
@@ -64,8 +70,9 @@ class UnstableBand(NamedTuple):
         Largest growth rate in it, in 1/s; zero where none is seen to grow.
     at : float
         Value of the quantity at which growth is largest.
-    cause : (int, int), Resonance or "unnamed"
-        The mode and tongue that grow there, where modes are coupled a resonance.
+    cause : (int, int), int, Resonance or "unnamed"
+        The mode and tongue that grow there, under noise or two frequencies the mode, where modes are coupled a
+        resonance.
     required_damping : float
         The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
         none does: the largest of samples, refined about it.  Where modes are coupled, the rate required at the load
@@ -104,7 +111,7 @@ class BandBeyond(NamedTuple):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the band as numbers for JSON."""
-        if isinstance(self.cause, Resonance | str):
+        if isinstance(self.cause, Resonance | str | int):
             cause = {"cause": _end_for_json(self.cause)}
         else:
             cause = {"mode": self.cause[0], "tongue": self.cause[1]}
@@ -436,6 +443,8 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         width, unit = high - low, shown.name
         listed = self._listed(shown)
         lines = [("searched", f"{self.quantity} from {low:.6g} to {high:.6g} {unit}; {self.note}")]
+        if self._has_noise:
+            lines.append(("noise", f"safe is stable in mean square; growth {_OF_SQUARES}"))
         left_out = self._left_out(listed._replace(thin=(), narrow=0) if full else listed, shown, unstable)
         lines += [("left out" if i == 0 else "", text) for i, text in enumerate(left_out)]
         for gap in self.not_computed:
@@ -451,10 +460,16 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
             largest = "no rate stabilises all bands" if most == "none" else f"{most} is the largest rate required"
             lines.append(("damping", f"{largest}; {above}"))
         rows = self._rows(shown, width, unstable, () if full else listed.thin, full=full)
-        columns = [(unit, ">"), ("", "<"), ("growth 1/s", ">"), (f"at {unit}", ">"), ("damping", ">"), ("", "<")]
+        growth = "growth of q^2 1/s" if self._has_noise else "growth 1/s"
+        columns = [(unit, ">"), ("", "<"), (growth, ">"), (f"at {unit}", ">"), ("damping", ">"), ("", "<")]
         widths = [max(map(len, column)) for column in zip(*([title for title, _ in columns], *rows), strict=True)]
         layout = [(title, f"{way}{width}") for (title, way), width in zip(columns, widths, strict=True)]
         return Report(listed.headline(unit, (low, high)), lines, Table(layout, rows) if rows else None)
+
+    @property
+    def _has_noise(self) -> bool:
+        """Whether growth is that of second moments."""
+        return bool(self.searched.search.load.noise)
 
     def _bands(self) -> list[tuple[float, float]]:
         """Return the ends of the unstable bands, which are known without what grows in them."""
@@ -537,8 +552,9 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
                 for band in self.unstable
             ],
             "not_computed": [by_keys(gap, resonates) for gap in self.not_computed],
-            "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
-            "'unnamed', or null at an end of the search",
+            **({"growth_is": _OF_SQUARES} if self._has_noise else {}),
+            "ends_are": "[mode, tongue], a mode, a resonance of coupled modes, 'axial resonance' next to what is not "
+            "computed, 'unnamed', or null at an end of the search",
             "required_damping_is": self.searched.model.damping_source,
         }
 
@@ -585,4 +601,6 @@ def _end(end: Cause) -> str:
         return "end of the search"
     if end == "unnamed":
         return "not named"
+    if isinstance(end, int):
+        return f"mode {end}"
     return str(end) if isinstance(end, Resonance | str) else f"mode {end[0]}, tongue {end[1]}"

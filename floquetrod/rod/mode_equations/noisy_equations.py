@@ -38,7 +38,10 @@ _NEGLIGIBLE = 1e-10  # growth beside that of others, in terms of damping and of 
 _NEWTON = 12  # steps
 _ROUNDING = 64.0 * EPS  # relative, of growth from coefficients
 
-IN_MEAN_SQUARE = "growth is that of second moments, twice that of amplitudes: the verdict is in mean square"
+IN_MEAN_SQUARE = (
+    "growth is that of second moments, twice that of amplitudes: the verdict is in mean square, and single runs "
+    "usually grow more slowly, or decay, as few large ones make the average"
+)
 
 ASSUMED = (
     IN_MEAN_SQUARE,

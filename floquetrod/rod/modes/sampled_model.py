@@ -14,7 +14,13 @@ from floquetrod._util.progress import Progress
 from floquetrod.floquet.first_change import FirstChange, bracket
 from floquetrod.floquet.status import STABLE
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand, intervals_along
+from floquetrod.rod.answers.stability_intervals import (
+    Search,
+    StabilityIntervals,
+    UnstableBand,
+    WhatGrows,
+    intervals_along,
+)
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_samples import SampledInterval, unstable_intervals
 from floquetrod.rod.model.contact import up_to_wall
@@ -115,11 +121,13 @@ class SampledModel(ModeModel):
         unstable, model = [], self.under(search.load)
         for done, (low, high) in enumerate(bands, start=1):
             places = np.linspace(low, high, _CLOSER)
-            growth = model.answers(Loads.along(search.load, search.varied, places)).growth
+            _, growth, modes_there = model.answers(Loads.along(search.load, search.varied, places))
             worst = int(np.nan_to_num(growth).argmax())
             at = float(places[worst])
             damping = model.damping_required(search.load.varied(search.varied, at), search.growth_tolerance)
-            unstable.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, "unnamed", damping))
+            fastest = int(modes_there[worst])
+            cause: WhatGrows = fastest if fastest > 0 else "unnamed"
+            unstable.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, cause, damping))
             if progress is not None:
                 progress(done, len(bands))
         return tuple(unstable)

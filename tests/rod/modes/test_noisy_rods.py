@@ -312,6 +312,27 @@ def test_ranges_margins_and_maps_know_noise() -> None:
     assert "noise of" in repr(chart)
 
 
+def test_ranges_under_noise_say_what_grows_and_that_growth_is_of_squares() -> None:
+    like, at = load(0.1 * HIGH_MODES), {"amplitude": 0.1 * FCR, "frequency": 150.0}
+    found = ROD.ranges("mean", like, bounds=(0.15 * FCR, 0.2 * FCR), **at)
+    (band,) = found.unstable
+    verdict = ROD.stability(like.with_numbers(band.at, 0.1 * FCR, 150.0))
+    assert (band.cause, band.worst_growth) == (verdict.fastest_mode, pytest.approx(verdict.growth_rate, rel=1e-6))
+    text = found.table()
+    assert "growth of q^2 1/s" in text
+    assert "stable in mean square" in text
+    assert f"mode {band.cause}" in text
+    assert "not named" not in text
+    assert "twice that of amplitudes" in found.as_dict()["growth_is"]
+    quiet = ROD.ranges("mean", bounds=(0.15 * FCR, 0.2 * FCR), **at)
+    assert "growth_is" not in quiet.as_dict()
+    assert "q^2" not in quiet.table()
+
+
+def test_assumptions_say_that_single_runs_may_decay() -> None:
+    assert any("single runs usually grow more slowly" in said for said in ROD.stability(load(0.1)).assumptions)
+
+
 @pytest.mark.slow
 def test_the_first_range_under_noise_ends_at_the_critical_load() -> None:
     like, shared = load(0.1 * HIGH_MODES), {"amplitude": 0.1 * FCR, "frequency": 150.0}
