@@ -318,7 +318,8 @@ def typed_unit(text: str) -> str | None:
 def read_units(options: argparse.Namespace, rod: fr.Rod, like: load.Load | None = None) -> dict[str, str]:
     """Return the unit of each quantity in the answer: from --unit, else the unit it was given in, else SI.
 
-    An end of a range without a unit has the unit of the other end.  Without --kick the unit of kicks is mm/s.
+    An end of a range without a unit has the unit of the other end; a force without one is shown in that of another.
+    Without --kick the unit of kicks is mm/s.
     Quantities that no option gives, but the load ``like`` of a measured force, are in the unit in which another force
     was typed, else in the record's.
     Other forces, lengths and pressures are among them where something tells their unit.
@@ -331,6 +332,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod, like: load.Load | None 
     for name, kind in [*((name, LOAD[name].kind) for name in QUANTITIES), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = typed_unit(text) if isinstance(text, str) else None
+        if typed == "" and kind == "force":  # such as an amplitude of 0 beside a mean in lbf
+            typed = typed_units.get(kind, "")
         unasked = of_record.get(kind) or _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
         found[name] = units.unit(wanted, f"--{name}", kind, rod.force_unit).name

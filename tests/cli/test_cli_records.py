@@ -207,6 +207,34 @@ def test_a_record_of_one_harmonic_has_the_margins_of_the_sine(
     assert (below, above) == pytest.approx(tuple(margin), rel=1e-3)
 
 
+def test_a_record_of_noise_alone_names_the_question_without_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file is one with columns of time and force, so this is not what is missing; and what is named is answered."""
+    path, random = tmp_path / "force.csv", np.random.default_rng(1)
+    t = np.arange(0.0, 20.0, 1e-2)
+    np.savetxt(path, np.c_[t, 2.0 + 0.1 * random.standard_normal(t.size)], "%.6g", ",", header="t / s,F / N")
+    assert cli.main(["check", "--rod", "nitinol", "--force", str(path), "--noise", "spectrum"]) == 2
+    said = capsys.readouterr().err
+    assert "text file" not in said
+    match = re.search(r"(--mean \S+ --amplitude 0N --noise \S+) and any --frequency, such as (1Hz)", said)
+    assert match is not None
+    asked = [*match[1].split(), "--frequency", match[2]]
+    assert cli.main(["check", "--rod", "nitinol", "--damping-rate", "0.3", "--no-margins", *asked]) == 0
+    assert "in mean square" in capsys.readouterr().out
+
+
+def test_modes_under_harmonics_alone_are_not_called_coupled(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = checked(capsys, "--damping-rate", "0.3", "--force", str(written(tmp_path, "N")), "--no-margins")
+    assert "modes" in lines["checked"]
+    assert "coupled" not in lines["checked"]
+
+
+def test_an_amplitude_of_zero_has_the_unit_of_the_mean(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = checked(capsys, "--mean", "0.5lbf", "--amplitude", "0", "--frequency", "24Hz")
+    assert "amplitude 0 lbf" in lines["load"]
+
+
 @pytest.mark.slow
 def test_a_record_that_pulls_on_average_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Many load cells count compression as negative, and what pulls buckles nothing."""

@@ -49,6 +49,7 @@ from floquetrod.rod.answers.reports import (
 from floquetrod.rod.answers.search_pieces import FEW_MODES, MARGIN_SECONDS, WAYS, in_hundredths
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.mode_equations.coupling import WAVEFORM
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
@@ -77,6 +78,10 @@ class VerdictModel(Protocol):
     @property
     def template(self) -> Load:
         """The load."""
+
+    @property
+    def coupling(self) -> tuple[str, ...]:
+        """What keeps the modes from obeying an equation of Mathieu's each, in words."""
 
     @property
     def has_exact_margins(self) -> bool:
@@ -171,7 +176,8 @@ class RodStability(Reported, Verdict):
     @property
     def cutoff(self) -> str:
         """Why these modes and no others."""
-        return self.evidence.cutoff
+        words = self.evidence.cutoff
+        return words.replace(" coupled modes", " modes") if self.model.coupling == (WAVEFORM,) else words
 
     @property
     def resonances(self) -> tuple[Resonance, ...]:
