@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import re
 from pathlib import Path
 from typing import Any
@@ -177,7 +178,7 @@ def test_the_sine_beside_a_random_force_has_no_noise(tmp_path: Path, capsys: pyt
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("more", "name"), [([], "load"), (["--noise", "spectrum"], "noisy_load")])
+@pytest.mark.parametrize(("more", "name"), [([], "load"), (["--noise", "spectrum"], "noisy_load.load")])
 def test_an_unstable_record_names_the_damping_without_margins(
     more: list[str], name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -187,7 +188,7 @@ def test_an_unstable_record_names_the_damping_without_margins(
     assert lines["margins"].startswith("not searched")
     match = re.fullmatch(r"stable with every damping_rate tried above (\S+) 1/s", lines["damping"])
     assert match is not None
-    push = getattr(fr.ForceRecord.from_csv(path), name).varied("mean", GROWING_MEAN)
+    push = operator.attrgetter(name)(fr.ForceRecord.from_csv(path)).varied("mean", GROWING_MEAN)
     damped = [ROD.replace(damping_rate=factor * float(match[1])) for factor in (0.99, 1.01)]
     assert [rod.stability(push, growth_tolerance=1e-3).status for rod in damped] == ["unstable", "stable"]
     assert "damping" not in checked(capsys, *options, "--no-margins")

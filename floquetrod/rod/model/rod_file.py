@@ -162,7 +162,7 @@ def _require_keys(table: Mapping[str, Any]) -> None:
 
 def _require_these(table: Mapping[str, Any], known: Collection[str], needed: Iterable[str]) -> None:
     """Raise ValueError for unknown keys of a table, and for missing ones."""
-    written = next((key for key in table if key in MEANT), None)
+    written = next((key for key in table if key in MEANT and key not in known), None)
     if written is not None:
         raise ValueError(f"unknown key {written!r}; {MEANT[written]}")
     require_keys(table, known)
