@@ -423,7 +423,7 @@ def test_what_a_note_explains_is_drawn(seed: int) -> None:
             ax.figure.set_size_inches(*size)
             ax.figure.canvas.draw()
             drawn = [name for artist in ax.artists if hasattr(artist, "shown") for name in artist.shown]
-            explained = re.search(r"(\S+): modes? \S+", note(ax))
-            assert (explained is not None) is bool(drawn)
+            explained = re.search(r"labels mode·tongue: (\S+) is modes? \S+", note(ax))
+            assert (explained is not None) is bool(drawn), note(ax)
             assert explained is None or explained[1] in drawn
         pyplot.close(ax.figure)
