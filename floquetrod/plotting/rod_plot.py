@@ -14,6 +14,7 @@ import numpy as np
 from floquetrod._util.sealed_files import atomic_file
 from floquetrod.plotting import palette
 from floquetrod.plotting.chart_plot import axes_or_new, explain, figure_or_new, new_axes, typeset
+from floquetrod.units import AnswerUnits, Unit
 
 ANIMATIONS = (".gif", ".mp4")
 """Kinds of file an animation is written to."""
@@ -155,31 +156,35 @@ def _frame_axes(ax: Any, run: Any) -> None:
 def draw_shape(verdict: Any, shape: Any, name: str, ax: Any = None) -> Any:
     """Draw the shape in which a rod grows, at one instant and its envelope, and what grows; return the axes.
 
-    Of a string the sections are numbered from the upper end, with lines where sections or bores change.
+    Positions are in the unit in which the rod was given.  Of a string the sections are numbered from the upper end,
+    with lines where sections or bores change.
     """
-    ax = axes_or_new(ax)
-    ax.fill_between(shape.s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
+    ax, unit = axes_or_new(ax), AnswerUnits.named(given=verdict.rod.given_units).length
+    s = unit.of(shape.s)
+    ax.fill_between(s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
     ax.collections[-1].set_label("over a period")
-    (line,) = ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0, label="one instant")
-    ax.set(xlabel="position from the upper end $s$ / m", ylabel="deflection / largest", ylim=(-1.1, 1.1))
-    ax.set_xlim(shape.s[0], shape.s[-1])
+    (line,) = ax.plot(s, shape.deflection, color="black", linewidth=1.0, label="one instant")
+    ax.set(xlabel=f"position from the upper end $s$ / {unit.name}", ylabel="deflection / largest", ylim=(-1.1, 1.1))
+    ax.set_xlim(s[0], s[-1])
     rate = verdict.growth_rate
     growth = f"{verdict.status}, growth {rate:.4g} 1/s" if rate else f"{verdict.status}: the motion that lasts longest"
     ax.set_title(f"{growth}: {name}" if name else growth, fontsize="medium", wrap=True)
-    explain(ax, [line, ax.collections[-1], *_draw_sections(verdict.rod, ax)])
+    explain(ax, [line, ax.collections[-1], *_draw_sections(verdict.rod, ax, unit)])
     return ax
 
 
-def _draw_sections(rod: Any, ax: Any) -> list[Any]:
+def _draw_sections(rod: Any, ax: Any, unit: Unit) -> list[Any]:
     """Draw where sections and bores of a string change, and number its sections; return what the legend explains."""
     parts: Any = rod.uniform_parts
     drawn: dict[str, Any] = {}
     for upper, lower in itertools.pairwise(parts):
         label, style = ("another bore", ":") if upper.section == lower.section else ("another section, by number", "--")
-        drawn[label] = ax.axvline(lower.start, color="0.4", linestyle=style, linewidth=1.0, label=label)
+        drawn[label] = ax.axvline(unit.of(lower.start), color="0.4", linestyle=style, linewidth=1.0, label=label)
     if rod.sections:
         ax.set_ylim(-1.1, 1.35)
         for number in range(len(rod.sections)):
             ends = [end for part in parts if part.section == number for end in (part.start, part.end)]
-            ax.text(0.5 * (ends[0] + ends[-1]), 1.22, str(number + 1), ha="center", va="center", fontsize="small")
+            ax.text(
+                0.5 * unit.of(ends[0] + ends[-1]), 1.22, str(number + 1), ha="center", va="center", fontsize="small"
+            )
     return list(drawn.values())

@@ -168,3 +168,16 @@ def test_dimensionless_time_has_its_letter_in_notes() -> None:
     assert "tau" not in note(ax)
     assert "per unit of \N{GREEK SMALL LETTER TAU}" in note(ax)
     assert "per unit of \N{GREEK SMALL LETTER TAU}" in ax.figure.axes[1].get_ylabel()
+
+
+def test_a_shape_is_drawn_in_the_unit_of_the_rod() -> None:
+    steel = {"youngs_modulus": "207GPa", "density": 7850.0, "diameter": "2in"}
+    parts = [fr.Section(**steel, wall_thickness=wall, length="100ft") for wall in ("0.156in", "0.203in")]
+    for rod in (
+        fr.Rod.catalogue("2.00x0.156", bore="4.778in", length="200ft"),
+        fr.Rod(sections=parts, channel_diameter="4.778in"),
+    ):
+        ax = rod.stability(fr.AxialLoad("1350lbf", "1500lbf", "2Hz", waveform=(1.0, 0.3j)), modes=range(1, 5)).plot()
+        assert ax.get_xlabel() == "position from the upper end $s$ / ft"
+        assert ax.get_xlim() == pytest.approx((0.0, 200.0))
+        pyplot.close(ax.figure)
