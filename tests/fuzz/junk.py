@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import FloquetVerdict
 from tests.fuzz.calls import CLAMPED, LOAD, ROD, Call, folder, table
 from tests.fuzz.core import Found, TookTooLong, limit, own_warnings, told
@@ -265,7 +266,8 @@ def _is_infinite(value: Any) -> bool:
 def _has_nan(value: Any, depth: int = 0) -> bool:
     """Return whether a NaN hides anywhere in a value.
 
-    The second curve of order 0 is none, and of an equation about which nothing could be computed the growth is NaN.
+    The second curve of order 0 is none, and of an equation about which nothing could be computed the growth is NaN: so
+    is a multiplier of infinite error.
     """
     if isinstance(value, float | complex | np.floating):
         return bool(np.isnan(value))
@@ -282,6 +284,8 @@ def _has_nan(value: Any, depth: int = 0) -> bool:
         and value.status == "undecided"
         and not value.exponents
     ):
+        return False
+    if isinstance(value, SystemStability) and value.status == "undecided" and math.isinf(value.error):
         return False
     if isinstance(value, fr.mathieu.TransitionCurves):
         return _has_nan(value.even) or _has_nan(value.width)
