@@ -108,10 +108,13 @@ def filtered_growth(
         if size > _MOST:
             break
         moments = _hierarchy(subject, noise.matrix, turned, through, order)
-        if not seconds_needed(by_pieces.of_batch(moments))[0] <= _MOST_SECONDS:
+        seconds = seconds_needed(by_pieces.of_batch(moments))[0]
+        if not seconds <= _MOST_SECONDS:
             raise ValueError(
-                f"matrix and filter must be of a size at which a period takes less than {_MOST_SECONDS:g} s, got more: "
-                "give them in the units of the system"
+                f"matrix and filter must be such that one period of the system can be computed in {_MOST_SECONDS:g} s, "
+                f"got {seconds:.2g} s of computing: their numbers are large beside those of the system; scale the time "
+                "such that the frequencies of the system and of the filter are about 1, and the noise such that "
+                "matrix is"
             )
         verdict = run("monodromy", moments)
         if not verdict.exponents:

@@ -353,6 +353,13 @@ def test_bad_filters_are_told(filter_: Any, kind: type[Exception], says: str) ->
         fr.filtered_growth(mathieu(1.0, 0.0, 0.05), ONE, filter_)
 
 
+def test_filtered_noise_that_takes_too_long_is_refused_with_the_seconds_and_a_remedy() -> None:
+    """The numbers are those of a force in newtons on a mode of 6 Hz; scaled with its frequency they are answered."""
+    oscillator = mathieu(1500.0, 0.0, 0.8)
+    with pytest.raises(ValueError, match=r"computed in \d+ s, got \d\S* s of computing: .*scale the time"):
+        fr.filtered_growth(oscillator, [[36.0]], ([[0.0, 1.0], [-5780.0, -4.4]], [0.0, 1.0], [567.0, 0.0]))
+
+
 def test_a_growth_that_is_never_known_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
     rates = itertools.chain([1.0], itertools.repeat(math.nan))
     monkeypatch.setattr("floquetrod.floquet.critical_noise.run", lambda *_: SimpleNamespace(highest_rate=next(rates)))
