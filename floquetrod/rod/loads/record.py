@@ -6,7 +6,7 @@ import cmath
 import functools
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import Message, error_in
+from floquetrod._util.arguments import Mention, Message, argument_of, error_in
 from floquetrod._util.arrays import EPS, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints, level_of_caller
@@ -119,11 +119,13 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     Notes
     -----
     A harmonic counts as present where noise alone would give one as large, among all searched for, in less than one
-    record of 100 (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A
-    longer period than the strongest frequency's is chosen where its further harmonics pass a sharper test, one in 1000
-    records, and, where the record has fewer than four such periods, are a tenth of all: a drift makes smaller ones.
-    Where noise in a narrow band about the strongest harmonic is as strong, as that of a frequency that wanders, it is
-    kept all the same; ``note`` says so, and the frequency may then be off by more than its error.
+    record of 100 (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A sine
+    whose own frequency is off its multiple of the fundamental, by more than chance makes it in one record of 1000, is
+    no harmonic, but one of `lines`.  A longer period than the strongest frequency's is chosen where its further
+    harmonics pass a sharper test, one in 1000 records, and, where the record has fewer than four such periods, are a
+    tenth of all: a drift makes smaller ones.  Where noise in a narrow band about the strongest harmonic is as strong,
+    as that of a frequency that wanders, it is kept all the same; ``note`` says so, and the frequency may then be off by
+    more than its error.
 
     Errors follow from least squares with white noise; about harmonics where the spectrum of the residual is
     significantly higher than white noise, they grow with it, and nowhere shrink.  In records drawn with bands of noise
@@ -259,7 +261,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             shown = units.unit(found.force_unit or "N", "", "force")
             said = str(error) if error.problem is None else f"force {error.problem(shown)}"
             raise NoPeriodError(f"force record {path}: {said}") from None
-        except ValueError as error:  # about the samples, not about which columns hold them
+        except ValueError as error:
+            if (about := argument_of(error)) is not None and about.name == "frequency":
+                raise error_in(f"force record {path}", error) from None
+            # About the samples, not about which columns hold them.
             raise ValueError(f"force record {path}: {error}") from None
         object.__setattr__(record, "force_unit_named", bool(found.force_unit))
         object.__setattr__(record, "time_unit_named", found.has_time_unit)
@@ -465,10 +470,12 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         often = f"period {self.period:.{digits}g} s +- {self.period * off:.1g} s"
         if frequency is not None:
             often = f"{frequency.show(self.frequency, digits)} +- {frequency.show(self.frequency_error, 1)}"
-        numbers = ", ".join(map(str, self.harmonic_numbers))
+        hertz = units.unit(_HERTZ, "", "frequency") if frequency is None else frequency
+        strongest = self._strongest
+        at = f", the strongest, number {strongest}, at {hertz.show(strongest * self.frequency)}" * (strongest > 1)
         text = (
             f"force of mean {force.show(self.mean)} and amplitude {force.show(self.amplitude)}, {often}, "
-            f"harmonic{'s' * (',' in numbers)} {numbers} above a noise of {force.show(self.noise, 3)}; "
+            f"{_harmonics(self.harmonic_numbers)} above a noise of {force.show(self.noise, 3)}{at}; "
             f"{self.periods:.4g} periods, {self.time.size} samples"
         )
         in_newtons, said = (_trend(self.trend, self.trend_error, each) for each in (_NEWTON, force))
@@ -477,6 +484,30 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         taken = " and ".join(words for words, is_named in named.items() if not is_named)
         notes = [f"the file names no unit, so {taken}"] * bool(taken) + [note] * bool(note)
         return "; ".join([text, *notes, *self._lines_in_words("it", load), *self._pull_in_words("it")])
+
+    @property
+    def _strongest(self) -> int:
+        """Number of the strongest harmonic."""
+        return int(np.abs(self.harmonics).argmax()) + 1
+
+    def _moved_in_words(self, frequencies: Sequence[float]) -> list[Message]:
+        """Return that other frequencies, a value or the ends of a range in rad/s, move the strongest harmonic.
+
+        Nothing is said where that is the first, as the frequency given is then its own.
+        """
+        if self._strongest == 1 or set(frequencies) == {self.frequency}:
+            return []
+        hertz = units.unit(_HERTZ, "", "frequency")
+        own, *given = (f"{hertz.of(each):.4g}" for each in (self.frequency, *frequencies))
+        before, *after = (f"{hertz.of(self._strongest * each):.4g}" for each in (self.frequency, *frequencies))
+        to = f"between {' and '.join(after)}" if after[1:] else after[0]
+        return [
+            Message(
+                Mention("frequency"),
+                f" {':'.join(given)} Hz replaces that of the fundamental, {own} Hz; the strongest harmonic of the "
+                f"record, number {self._strongest}, moves from {before} to {to} Hz",
+            )
+        ]
 
     def _lines_beside(self, second: Second | None) -> tuple[Second, ...]:
         """Return the lines other than the second sine of a load."""
@@ -654,6 +685,12 @@ def _trend(trend: float, error: float, force: Unit) -> str:
     return f"trend of {force.of(trend):.3g} +- {force.of(error):.1g} {force.name}/s, removed from the force"
 
 
+def _harmonics(numbers: Iterable[int]) -> str:
+    """Return the numbers of harmonics in words."""
+    text = ", ".join(map(str, numbers))
+    return f"harmonic{'s' * (',' in text)} {text}"
+
+
 def _note(trend: str, found: PeriodicFit, missing: int, most: int | None) -> str:
     """Return what a reader of the fit should know."""
     parts = []
@@ -669,9 +706,7 @@ def _note(trend: str, found: PeriodicFit, missing: int, most: int | None) -> str
         parts.append(f"harmonics {some} above the noise but not fitted (Python: harmonics={found.beyond[-1]})")
     above = [number for number, factor in zip((0, *found.fit.numbers), found.factors, strict=True) if factor > 1.0]
     if above:
-        where = " and ".join(
-            [*["frequency 0"] * (0 in above), *[f"harmonics {', '.join(map(str, filter(None, above)))}"] * any(above)]
-        )
+        where = " and ".join([*["frequency 0"] * (0 in above), *[_harmonics(filter(None, above))] * any(above)])
         accounted = "" if found.wanders else ", which the errors account for"
         parts.append(f"noise about {where} up to {found.factors.max():.2g} times its average{accounted}")
     if found.wanders:

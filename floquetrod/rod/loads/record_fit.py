@@ -255,6 +255,41 @@ def fit(
     return None
 
 
+def freed(samples: Samples, found: Fit) -> tuple[Floats, Floats, Fit, Floats]:
+    """Return how far each harmonic's frequency, free, is from its multiple of omega, with a covariance.
+
+    And the fit with the squares that are then left, and its residual.
+    """
+    # Linear least squares about the fit: harmonic k at the frequency k omega + d has, to first order in d, the further
+    # term d tau slope_k(tau), where slope_k is its derivative by the angle k omega tau.
+    many = len(found.numbers)
+    size = 3 * many + 2
+    gram, moments = np.zeros((size, size)), np.zeros(size)
+    residual = samples.values - found.values(samples.tau)
+    blocks = [slice(start, start + _BLOCK) for start in range(0, samples.tau.size, _BLOCK)]
+    for block in blocks:
+        basis = _freed_basis(found, samples.tau[block])
+        gram += basis @ basis.T
+        moments += basis @ residual[block]
+    scale = 1.0 / np.sqrt(gram.diagonal())
+    inverse = np.linalg.pinv(gram * np.outer(scale, scale), hermitian=True) * np.outer(scale, scale)
+    step = inverse @ moments
+    for block in blocks:
+        residual[block] -= step @ _freed_basis(found, samples.tau[block])
+    free = max(1, found.free - many + 1)
+    variance = max(float(residual @ residual) / free, samples.rounding**2)
+    fitted = replace(found, squares=variance * free, free=free)
+    rounded = np.diag((_ROUNDING * found.omega * np.array(found.numbers)) ** 2)
+    return step[-many:], variance * inverse[-many:, -many:] + rounded, fitted, residual
+
+
+def _freed_basis(found: Fit, tau: Floats) -> Floats:
+    """Return 1, tau, the cosines, the sines and the derivatives by the frequencies of the harmonics of a fit."""
+    waves = np.exp(1j * found.omega * np.outer(found.numbers, tau))
+    by_angle = (1j * found.amplitudes[:, None] * waves).real
+    return np.concatenate([[np.ones_like(tau), tau], waves.real, waves.imag, tau * by_angle])
+
+
 def _newton(sums: _Sums, chosen: list[int], inverse: Floats) -> Floats:
     """Return the inverse of the squares' second derivatives, ``inverse`` where it is not positive."""
     second = sums.gram.copy()

@@ -11,7 +11,7 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
-from floquetrod.rod.loads.record_fit import Fit, Samples, fit
+from floquetrod.rod.loads.record_fit import Fit, Samples, fit, freed
 from floquetrod.units import Unit
 
 FALSE_HARMONIC = 0.01
@@ -84,22 +84,41 @@ class NoPeriodError(ValueError):
 
 def _without_period(samples: Samples, why: str) -> ValueError:
     # Variance v of samples at a rate r is that of noise of the one-sided density 2 v / r up to r / 2.
+    # A trend is no part of the noise.
     rate = (samples.tau.size - 1) / (2.0 * samples.half)
     mean = samples.offset + samples.scale * float(samples.values.mean())
-    density = 2.0 * samples.scale**2 * float(samples.values.var()) / rate
-    problem = partial(_random_alone, why, mean, density)
+    ends, variance = _drift(samples)
+    density = 2.0 * samples.scale**2 * variance / rate
+    problem = partial(_random_alone, why, mean, density, tuple(samples.offset + samples.scale * end for end in ends))
     error = wrong_value("force", problem(_NEWTON), kind=NoPeriodError)
     error.__dict__["problem"] = problem
     return error
 
 
-def _random_alone(why: str, mean: float, density: float, unit: Unit) -> str:
-    """Return that there is no period, and what to give for noise alone of a mean in N and a density in N^2/Hz."""
+def _drift(samples: Samples) -> tuple[tuple[float, ...], float]:
+    """Return the values at both ends of a trend, none where it may be chance, and the variance without it."""
+    variance = float(samples.values.var())
+    line = np.polynomial.polynomial.polyfit(samples.tau, samples.values, 1)
+    left = float((samples.values - np.polynomial.polynomial.polyval(samples.tau, line)).var())
+    free = samples.tau.size - 2
+    if 0.5 * free * math.log(max(left, samples.rounding**2) / variance) > math.log(_FALSE_TREND):
+        return (), variance
+    return (float(line[0] - line[1]), float(line[0] + line[1])), left
+
+
+def _random_alone(why: str, mean: float, density: float, ends: tuple[float, ...], unit: Unit) -> str:
+    """Return that there is no period, and what to give for noise alone of a mean in N and a density in N^2/Hz.
+
+    ``ends`` are the forces in N from which to which it drifts, none where it does not.
+    """
     each = unit, Unit(f"{unit.name}^2/Hz", unit.size**2)
     push, noise = (one.show(value, 4).replace(" ", "") for one, value in zip(each, (mean, density), strict=True))
+    drifts = f"; it drifts from {unit.of(ends[0]):.3g} to {unit.show(ends[1], 3)}" if ends else ""
+    beside = " about that drift" if ends else ""
     return (
-        f"shows no period above the noise: {why}; record longer, or give its frequency (Python: frequency=, in "
-        f"rad/s); where it is random alone, with one density at all frequencies, give its mean and its density: --mean "
+        f"shows no period above the noise: {why}{drifts}; record longer, or give its approximate frequency: "
+        "--force-frequency, such as 10Hz (Python: frequency=, in rad/s); where it is random alone"
+        f"{beside}, with one density at all frequencies, give its mean and its density: --mean "
         f"{push} --amplitude 0{unit.name} --noise {noise} and any --frequency, such as 1Hz, as no sine acts (Python: "
         f'fr.AxialLoad("{push}", 0, "1Hz", noise="{noise}"))'
     )
@@ -109,8 +128,8 @@ def _too_short(periods: float) -> ValueError:
     return wrong_value(
         "force",
         f"must be recorded for two periods or more, got {periods:.2g}: its strongest variation takes "
-        f"{1.0 / periods:.2g} of the time recorded; record longer, or give its frequency where that is a drift "
-        "(Python: frequency=, in rad/s)",
+        f"{1.0 / periods:.2g} of the time recorded; record longer, or, where that is a drift, give the "
+        "approximate frequency: --force-frequency, such as 10Hz (Python: frequency=, in rad/s)",
         kind=NoPeriodError,
     )
 
@@ -144,13 +163,14 @@ def _near(samples: Samples, power: Spectrum, guess: float, most: int) -> tuple[f
     if guess + reach < FEWEST_PERIODS:
         raise wrong_value(
             "frequency",
-            f"must have two periods or more in the record, got {guess:.2g}; give it in rad/s or record longer",
+            f"must have two periods or more in the record, got {guess:.2g}; without a unit it is in rad/s; record "
+            "longer",
         )
     if not guess + reach < samples.highest:
         raise wrong_value(
             "frequency",
             f"must lie below half of the sampling rate, got {guess * math.pi / samples.half:.6g} rad/s for "
-            f"samples that are {samples.interval * samples.half:.3g} s apart; give it in rad/s",
+            f"samples that are {samples.interval * samples.half:.3g} s apart; without a unit it is in rad/s",
         )
     numbers = np.arange(1, min(most, _GUESS_HARMONICS, int(samples.highest / guess)) + 1)
     tries = np.arange(max(guess - reach, power.step), guess + reach, 0.5 * power.step / numbers[-1])
@@ -205,7 +225,10 @@ def _longer(samples: Samples, first: Fit, periods: float, most: int) -> Fit:
         chosen = None if found is None else _significant(samples, found, penalty)
         if found is None or chosen is None:
             continue
-        if _telling(chosen[0]) and (other := _score(samples, chosen[0], penalty)) < score:
+        alike = _of_one_period(samples, chosen[0])
+        if alike is None:
+            continue
+        if _telling(alike) and (other := _score(samples, alike, penalty)) < score:
             best, score = found, other
     return best
 
@@ -218,6 +241,30 @@ def _telling(found: Fit) -> bool:
     sizes, numbers = np.abs(found.amplitudes), np.array(found.numbers)
     least = _DRIFT * float(np.linalg.norm(sizes)) if found.omega < _SLOW * math.pi else 0.0
     return all(float(np.linalg.norm(sizes[numbers % prime > 0])) > least for prime in _PRIMES)
+
+
+def _of_one_period(samples: Samples, found: Fit, *, trend: bool = True, precision: float = _COARSE) -> Fit | None:
+    """Return the fit without harmonics whose own frequency is no multiple of that of the strongest: other sines.
+
+    A sine that is no harmonic but near one draws the fit to itself, and both leave more than the noise.  With the
+    frequency of each harmonic free they do not, and chance moves one off its place in one record of 1000.
+    """
+    if len(found.numbers) < 2:
+        return found
+    shifts, covariance, fitted, residual = freed(samples, found)
+    factors = coloured(fitted, power_spectrum(samples, residual))[1:]
+    numbers = np.array(found.numbers)
+    strongest = int(np.abs(found.amplitudes).argmax())
+    contrast = np.eye(numbers.size)
+    contrast[:, strongest] -= numbers / numbers[strongest]
+    moved = contrast @ shifts
+    errors = np.diag(contrast @ (covariance * np.outer(factors, factors)) @ contrast.T)
+    ratio = np.divide(moved**2, errors, out=np.zeros_like(moved), where=errors > 0.0)
+    chances = -0.5 * fitted.free * np.log1p(ratio / fitted.free)
+    alike = chances > math.log(_FALSE_PERIOD / numbers.size)
+    if alike.all():
+        return found
+    return fit(samples, found.omega, tuple(numbers[alike].tolist()), trend=trend, precision=precision)
 
 
 def _significant(samples: Samples, found: Fit, penalty: float) -> tuple[Fit, Spectrum] | None:
@@ -265,6 +312,8 @@ def _kept(samples: Samples, best: Fit, tried: float, most: int) -> PeriodicFit:
     numbers = tuple(np.array(every.numbers)[above].tolist())
     trend = every.trend_chance() < math.log(_FALSE_TREND)
     found = fit(samples, every.omega, numbers, trend=trend)
+    if found is not None and found.omega > _SLOW * math.pi:
+        found = _of_one_period(samples, found, trend=trend, precision=1e-4)
     if found is None:
         raise _without_period(samples, "the fit does not settle")
     left = _left(samples, found)

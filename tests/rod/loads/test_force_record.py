@@ -371,6 +371,27 @@ def test_noise_alone_is_told_how_to_be_given(rng: np.random.Generator, tmp_path:
         assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
 
 
+def test_a_drift_is_no_part_of_the_noise_that_is_told(rng: np.random.Generator, tmp_path: Path) -> None:
+    """Noise of 0.05 lbf at 200 samples a second has 2.5e-5 lbf^2/Hz, whatever the force drifts by."""
+    time = np.arange(8000) / 200.0
+    force = 1.6 + 0.03 * time + 0.05 * rng.standard_normal(time.size)
+    path = tmp_path / "drift.csv"
+    np.savetxt(path, np.c_[time, force], "%.9g", ",", header="time / s,force / lbf", comments="")
+    with pytest.raises(ValueError, match=r"it drifts from 1\.6\d* to 2\.8\d* lbf; .*--mean 2\.\d*lbf") as refused:
+        fr.ForceRecord.from_csv(path)
+    density = float(str(refused.value).partition("--noise ")[2].partition("lbf")[0])
+    assert density == pytest.approx(2.5e-5, rel=0.05)
+
+
+def test_one_harmonic_is_not_called_harmonics(rng: np.random.Generator) -> None:
+    time = np.arange(4000) / 400.0
+    slow = np.cumsum(rng.standard_normal((2, time.size)), axis=1) * 0.002
+    force = np.sin(OMEGA * time) * (1.0 + slow[0]) + np.cos(OMEGA * time) * slow[1]
+    record = fr.ForceRecord(time, force + 0.01 * rng.standard_normal(time.size))
+    assert record.harmonic_numbers == (1,)
+    assert "noise about harmonic 1 up to" in record.note
+
+
 TIME, FORCE, *_ = made(np.random.default_rng(3), rate=100)
 
 

@@ -44,6 +44,31 @@ def test_two_lines_are_found_the_strongest_first() -> None:
     np.testing.assert_allclose([line[:2] for line in found], [(0.3, 108.196), (0.1, 358.77)], rtol=0.02)
 
 
+@pytest.mark.parametrize("hertz", [5.517, 15.503, 4.6497])
+def test_a_sine_in_no_ratio_is_a_line_and_no_harmonic(hertz: float) -> None:
+    """Near 16 ninths, 5 and 3 halves of 3.1 Hz: both sines are found where they are."""
+    t, rng = np.arange(8000) / 200.0, np.random.default_rng(12)
+    force = 2400.0 + 900.0 * np.sin(2.0 * math.pi * 3.1 * t) + 600.0 * np.sin(2.0 * math.pi * hertz * t + 0.7)
+    found = fr.ForceRecord(t, force + 30.0 * rng.standard_normal(t.size))
+    assert found.harmonic_numbers == (1,)
+    assert abs(found.frequency - 2.0 * math.pi * 3.1) < 4.0 * found.frequency_error
+    ((amplitude, frequency, phase),) = found.lines
+    assert (amplitude, phase) == (pytest.approx(600.0, rel=0.01), pytest.approx(0.7, abs=0.02))
+    assert frequency == pytest.approx(2.0 * math.pi * hertz, rel=1e-4)
+
+
+def test_sines_in_the_ratio_of_integers_are_harmonics() -> None:
+    """Of a fundamental that is not there; a third sine in no ratio with them is a line all the same."""
+    t, rng = np.arange(8000) / 200.0, np.random.default_rng(13)
+    for third in (0.0, 200.0):
+        sines = ((900.0, 9.0 * 0.34), (600.0, 16.0 * 0.34), (third, 10.7 * 0.34))
+        force = 2400.0 + sum(a * np.sin(2.0 * math.pi * f * t + a) for a, f in sines)
+        found = fr.ForceRecord(t, force + 30.0 * rng.standard_normal(t.size))
+        assert found.harmonic_numbers == (9, 16)
+        assert found.frequency == pytest.approx(2.0 * math.pi * 0.34, rel=1e-4)
+        assert [line[1] / (2.0 * math.pi) for line in found.lines] == pytest.approx([3.638] * (third > 0.0), rel=1e-3)
+
+
 @pytest.mark.parametrize(
     "kind", ["white", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("pink", "resonant"))]
 )
