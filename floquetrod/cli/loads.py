@@ -96,6 +96,12 @@ def _add_kind(command: argparse.ArgumentParser, subsystem: Subsystem) -> None:
         command.add_argument(
             f"--{name}-unit", metavar="UNIT", help=f"unit of {name}, such as {examples} (default: that of its heading)"
         )
+    command.add_argument(
+        "--force-frequency",
+        metavar="FREQUENCY",
+        help="approximate frequency of the fundamental of a measured force, such as 10.8Hz, known within a tenth; it "
+        "is refined (default: it is searched for)",
+    )
 
 
 def _read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
@@ -106,16 +112,10 @@ def _read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
         return reading.read_record(vars(options), option)
 
 
-def _read_kind(options: argparse.Namespace, rod: fr.Rod) -> tuple[fr.ForceRecord | None, Load]:
-    """Return the measured force, and a load of the kind that the options describe, with the numbers of the record.
-
-    Warns where the force may be in another unit or of the other sign, and where it holds more than the load.
-    """
+def _read_kind(options: argparse.Namespace) -> tuple[fr.ForceRecord | None, Load]:
+    """Return the measured force, and a load of the kind that the options describe, with the numbers of the record."""
     record = _read_record(options)
-    load = reading.read_kind(vars(options), record, option)
-    if record is not None:
-        warn_of_record(rod, record, load)
-    return record, load
+    return record, reading.read_kind(vars(options), record, option)
 
 
 def _require_quantities(options: argparse.Namespace) -> None:
@@ -148,10 +148,11 @@ def read_question(options: argparse.Namespace, *, required: bool = True) -> Ques
     for name in QUANTITIES:
         require_one_value(getattr(options, name), name)
     rod = read_rod(options)
-    record, like = _read_kind(options, rod)
+    record, like = _read_kind(options)
     load = reading.read_load(vars(options), rod, like, option)
     if record is None:
         return Question(rod, None, load, load)
+    warn_of_record(rod, record, load)
     from floquetrod.rod.loads.record import ChangedRecord
 
     def change(fit: Load) -> Load:
@@ -201,9 +202,11 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     """Return the question that options ask."""
     _require_quantities(options)
     rod = read_rod(options)
-    record, like = _read_kind(options, rod)
+    record, like = _read_kind(options)
     texts = {name: getattr(options, name) for name in QUANTITIES}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
+    if record is not None:
+        warn_of_record(rod, record, like, values["frequency"])
     shown = read_units(options, rod, like)
     frequency = shown["frequency"] if typed_unit(options.frequency or "") else ""
     typed = units.GivenUnits(force=shown.get("force", ""), frequency=frequency)

@@ -262,9 +262,10 @@ def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
     words: dict[str, Any] = given | texts | {"force": force}
     record = read_record(words)
     like = read_kind(words, record)
+    load = read_load(words, rod, like)
     if record is not None:
-        warn_of_record(rod, record, like)
-    return read_load(words, rod, like)
+        warn_of_record(rod, record, load)
+    return load
 
 
 def _warn_of_hertz(path: Path, tables: Mapping[str, Any], problem: SimulationProblem, over: Mapping[str, Any]) -> None:

@@ -30,7 +30,7 @@ _L = TypeVar("_L", bound=Load)
 ArgumentName: TypeAlias = Callable[[str], str]
 """How messages call an argument: as in a file, or ``--axial-damping`` in a terminal."""
 
-RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
+RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit", "force_frequency")
 """What says how to read a measured force."""
 
 LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "noise", "second", "force", *RECORD_OPTIONS)
@@ -60,7 +60,11 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
     require_file(named("force"), Path(given["force"]), wanted)
     try:
         return ForceRecord.from_csv(
-            given["force"], *columns, time_unit=given["time_unit"], force_unit=given["force_unit"]
+            given["force"],
+            *columns,
+            time_unit=given["time_unit"],
+            force_unit=given["force_unit"],
+            frequency=given["force_frequency"],
         )
     except NoPeriodError:  # whose file was read
         raise
@@ -68,12 +72,18 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
         about = argument_of(error)
         is_of_options = about is not None and about.name in _OF_COLUMNS
         message = about.named(named(_OF_COLUMNS[about.name])) if about is not None and is_of_options else str(error)
-        if is_of_options and about is not None and not about.where:
+        if is_of_options and about is not None and (not about.where or about.name == "frequency"):
             raise ValueError(message) from None
         raise ValueError(f"{named('force')} must be {wanted}: {message}") from None
 
 
-_OF_COLUMNS = {"time": "time_column", "force": "force_column", "time_unit": "time_unit", "force_unit": "force_unit"}
+_OF_COLUMNS = {
+    "time": "time_column",
+    "force": "force_column",
+    "time_unit": "time_unit",
+    "force_unit": "force_unit",
+    "frequency": "force_frequency",
+}
 """Names of the arguments of `floquetrod.ForceRecord.from_csv`."""
 
 

@@ -279,3 +279,47 @@ def test_every_command_warns_of_a_record_that_pulls_on_average(
     assert "pulls" not in said[1]
     line = "floquetrod: warning: the record pulls on average, as forces are positive in compression; if the sensor"
     assert said[-1].count(line) == 1
+
+
+def test_a_slow_wave_is_passed_over_with_an_approximate_frequency(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its refusal names the option, with which the frequency is refined as in Python."""
+    t = np.arange(0.0, 10.0, 5e-3)
+    force = MEAN + AMPLITUDE * (np.sin(OMEGA * t) + 1.3 * np.sin(0.9 * t))
+    force += 0.02 * AMPLITUDE * np.random.default_rng(0).standard_normal(t.size)
+    path = tmp_path / "slow.csv"
+    np.savetxt(path, np.c_[t, force], "%.9g", ",", header="time / s,force / N", comments="")
+    asked = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--no-margins", "--modes", "1-4"]
+    asked += ["--force", str(path)]
+    assert cli.main(asked) == 2
+    assert "approximate frequency: --force-frequency" in capsys.readouterr().err
+    assert cli.main([*asked, "--force-frequency", f"{1.02 * OMEGA:g}rad/s"]) == 0
+    assert re.search(r"^record .* 23\.873\d* Hz \+- .*, harmonic 1 above", capsys.readouterr().out, re.MULTILINE)
+
+
+def test_a_frequency_that_moves_the_strongest_harmonic_is_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is that of the fundamental, which may be far from that of the strongest harmonic."""
+    t = np.arange(0.0, 5.0, 2e-3)
+    for number, moved in ((1, False), (3, True)):
+        force = MEAN + AMPLITUDE * (np.sin(number * 31.4 * t) + 0.2 * np.cos((number + 1) * 31.4 * t))
+        force += 0.02 * AMPLITUDE * np.random.default_rng(0).standard_normal(t.size)
+        path = tmp_path / "slow.csv"
+        np.savetxt(path, np.c_[t, force], "%.9g", ",", header="time / s,force / N", comments="")
+        asked = ["--rod", "nitinol", "--damping-rate", "0.3", "--force", str(path)]
+        for command, given, said in (
+            (["check", "--no-margins", "--modes", "1-4"], "15Hz", "15 Hz .* to 45 Hz"),
+            (["ranges"], "10:10.2Hz", "10:10.2 Hz .* to between 30 and 30.6 Hz"),
+        ):
+            assert cli.main([*command, *asked, "--frequency", given]) == 0
+            warned = re.search(rf"--frequency {said}", found := capsys.readouterr().err.replace("\n", " "))
+            assert (warned is not None) == moved, found
+            if moved:
+                assert "replaces that of the fundamental, 4.99" in found
+                assert "number 3, moves from 14.99 to " in found
+    assert cli.main(["check", "--no-margins", "--modes", "1-4", *asked]) == 0
+    answer = capsys.readouterr()
+    assert "--frequency" not in answer.err
+    assert re.search(r"harmonics 3, 4 above a noise of [\d.]+ N, the strongest, number 3, at 14\.99\d* Hz;", answer.out)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from floquetrod._util.arguments import Mention, Message
@@ -301,10 +301,13 @@ def warn_of_load(rod: Any, load: Load, source: LoadSource | None = None) -> None
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
-def warn_of_record(rod: Any, record: Any, load: Any) -> None:
-    """Warn of a record with suspicious times, a pull on average, a force without a unit or lines not in the load."""
+def warn_of_record(rod: Any, record: Any, load: Any, frequencies: Sequence[float] = ()) -> None:
+    """Warn of a record with suspicious times, a pull on average, a force without a unit or lines not in the load.
+
+    And where the load's frequency, or the ``frequencies`` at the ends of a range, move its strongest harmonic.
+    """
     said = (*record._pull_in_words("the record"), *record._lines_in_words("the record", load))
-    suspicions = [*suspicions_of_times(record), *said]
+    suspicions = [*suspicions_of_times(record), *said, *record._moved_in_words(frequencies or (load.frequency,))]
     if not record.force_unit_named:  # taken in N, whatever it is
         forces = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))
         general = "the record names no unit of force: taken in N; give "
