@@ -19,6 +19,8 @@ from floquetrod.units import AnswerUnits
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
+_MEANS = 65  # mean forces tried between both ends of a record that drifts (a choice)
+
 NOISE_OF_SENSOR = (
     "noise taken as an error of the sensor; if the force itself is random: --noise spectrum (Python: record.noisy_load)"
 )
@@ -73,18 +75,19 @@ def record_verdict(
     noise = math.sqrt(float(np.mean(np.square(changes))))
     note = f"noise in the record makes the growth rate uncertain by {noise:.2g} 1/s"
     if noise == verdict.growth_rate == 0.0:
-        note = f"noise in the record: no mode grows at {NOISE_DRAWS} forces within its errors either"
+        note = "" if others else f"noise in the record: no mode grows at {NOISE_DRAWS} forces within its errors either"
     doubts = []
     if others:
-        note = f"{note}; the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
+        counted = f"the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
+        note = "; ".join(filter(None, [note, counted]))
         doubts.append("forces within the errors of the fit have another verdict")
-    elif 0.0 < abs(fit_growth - growth_tolerance) <= noise:
+    elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + (verdict.error if fit.noise else 0.0):
         doubts.append("the noise in the record makes the growth rate too uncertain")
     if not fit.noise:
         note = f"{note}; {NOISE_OF_SENSOR}"
     trials_of_others = [
         *(_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines),
-        *(_with_mean(model, record, mean, chosen, growth_tolerance) for mean in record._means),
+        *_with_means(model, record, chosen, growth_tolerance, code),
         *_with_residual(model, record, chosen, growth_tolerance),
     ]
     changing = [trial for trial in trials_of_others if trial.status != code]
@@ -140,30 +143,52 @@ def _with_line(
     return _Trial(STATUS_CODES[verdict.status], verdict.growth_rate, note, said, True)
 
 
-def _with_mean(
-    model: ModeModel, record: LoadSource, mean: float, modes: Sequence[int] | None, tolerance: float
-) -> _Trial:
-    """Return the verdict with the mean at an end of a record that drifts."""
-    load = replace(record.load, mean=mean)
-    status, growth = _status_and_growth(model, load, modes, tolerance)
-    force = AnswerUnits.named(given=record.load.given_units).force
-    size, end = force.show(mean, 4), "beginning" if mean == record._means[0] else "end"
-    said = f"with the mean force at the {end} of the record, {size}, the rod is {_NAMES[status]}"
-    return _Trial(status, growth, f"{said}; the trend was removed as a drift of the sensor", said, False)
+def _with_means(
+    model: ModeModel, record: LoadSource, modes: Sequence[int] | None, tolerance: float, code: int
+) -> Iterator[_Trial]:
+    """Yield the verdict with a mean force between those at the ends of a record that drifts, where one is another.
+
+    The means are so close together that a drift past one is over before a mode grows noticeably, for most drifts.
+    """
+    if not record._means:
+        return
+    means, load = np.linspace(*record._means, _MEANS), record.load
+    if modes is None:
+        loads = Loads((_MEANS,), means, np.full(_MEANS, load.amplitude), np.full(_MEANS, load.frequency))
+        statuses, growths, _ = model.under(load).answers(loads, tolerance)
+    else:
+        each = [_status_and_growth(model, replace(load, mean=float(mean)), modes, tolerance) for mean in means]
+        statuses, growths = map(np.array, zip(*each, strict=True))
+    others = np.flatnonzero(statuses != code)
+    if not others.size:
+        return
+    first, last = means[others[[0, -1]]].tolist()
+    force = AnswerUnits.named(given=load.given_units).force
+    low, high = sorted((first, last))
+    where = force.show(low, 4) if low == high else f"{force.of(low):.4g} to {force.show(high, 4)}"
+    names = " or ".join(dict.fromkeys(_NAMES[int(statuses[k])] for k in others))
+    ends = f"{force.of(record._means[0]):.4g} to {force.show(record._means[1], 4)}"
+    said = f"the mean force of the record drifts from {ends}, and with means of {where} the rod is {names}"
+    yield _Trial(int(statuses[others[0]]), float(np.nanmax(growths)), said, said, False)
 
 
 def _with_residual(
     model: ModeModel, record: LoadSource, modes: Sequence[int] | None, tolerance: float
 ) -> Iterator[_Trial]:
     """Yield the verdict with the residual of the fit as a random force, where it is too uneven for a sensor's noise."""
-    if not record._residual_density or record.lines or record.load.second is not None:
+    if not record._is_uneven or record.lines or record.load.second is not None:
         return
-    load, rod = replace(record.load, noise=record._residual_density), cast("Any", model.rod)
+    noisy, rod = record._with_residual(), cast("Any", model.rod)
     try:
-        verdict = rod._modes_under(load).verdict(load, modes, tolerance)
+        under = rod._modes_under(noisy.load)
+        verdict = under.verdict(noisy.load, modes, tolerance)
+        if verdict.status == "stable":  # as the errors of its densities leave it
+            verdict = record_verdict(under, noisy, modes, tolerance, None)
     except ValueError:  # not known along a wave, say
         return
     said = f"with what the fit leaves as a random force the rod is in mean square {_in_words(verdict)}"
+    if verdict.status == "undecided":
+        said = "what the fit leaves may, as a random force, make the rod unstable in mean square"
     note = f"{said}; its spectrum is too uneven for the noise of a sensor"
     yield _Trial(STATUS_CODES[verdict.status], verdict.growth_rate, note, said, False)
 

@@ -256,7 +256,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
 def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest.CaptureFixture[str]) -> None:
     question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
     text = said(capsys, *question)
-    assert re.search(r"  unstable .* direct resonance of mode 1, order 1\n", text)
+    assert re.search(r"  unstable .* sum resonance of modes 1 and 4, order 1\n", text)
     assert re.search(r"\nsampled +unstable bands narrower than \S+ Fcr may have been missed\n", text)
     found = answer(capsys, *question)
     rod = fr.Rod.from_toml(WIRE)

@@ -232,7 +232,7 @@ def test_nothing_is_lost_in_the_crash(ran: Ran) -> None:
     import floquetrod as fr
 
     names, folder = ran("cluster")
-    (warning,) = names["told"]
+    (warning,) = names["warned"]
     assert warning.category is fr.OutcomeWarning
     assert "still swinging" in str(warning.message)
     study: dict[str, Any] = {"__name__": "study"}

@@ -463,8 +463,12 @@ class LoadSource(ABC):
 
     @property
     @abstractmethod
-    def _residual_density(self) -> Noise:
-        """Density of what the load leaves of the force, where it is too uneven for a sensor's noise, else 0."""
+    def _is_uneven(self) -> bool:
+        """Whether what the load leaves of the force is too uneven for the noise of a sensor."""
+
+    @abstractmethod
+    def _with_residual(self) -> LoadSource:
+        """Return the force with what its load leaves of it as the noise of its load."""
 
     @abstractmethod
     def _within_errors(self, count: int) -> Iterator[Load]:

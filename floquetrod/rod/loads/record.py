@@ -23,7 +23,7 @@ from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
-from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Noise, Second, load_number
+from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_lines import LEAST_LINE, fitted_lines
@@ -340,11 +340,12 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         return residual
 
     @property
-    def _residual_density(self) -> Noise:
-        """The `noise_spectrum` where it is too uneven for a sensor's noise, else none."""
+    def _is_uneven(self) -> bool:
         density = np.array([band.density for band in self._bands])
-        uneven = density.max() > _UNEVEN * float(np.median(density))
-        return self.noise_spectrum if uneven else 0.0
+        return bool(density.max() > _UNEVEN * float(np.median(density)))
+
+    def _with_residual(self) -> ChangedRecord:
+        return ChangedRecord(self, functools.partial(_with_noise, self.noise_spectrum))
 
     @property
     def _means(self) -> tuple[float, ...]:
@@ -372,13 +373,13 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 
     @property
     def noisy_load(self) -> ChangedRecord:
-        """The record with the spectrum of its residual as the noise of its load: verdicts are those in mean square.
+        """The record with the spectrum of its residual as the noise of its load, for verdicts in mean square.
 
         As an argument it stands for its ``load``; `Rod.stability` counts the errors of its numbers and densities.  With
         the record itself in place of a load the noise only makes the verdict uncertain.  Warns of `lines`, whose power
         a spectrum spreads over a band as if they were noise.
         """
-        noisy = ChangedRecord(self, functools.partial(_with_noise, self.noise_spectrum))
+        noisy = self._with_residual()
         for said in self._lines_in_words("the record", noisy.load):
             warnings.warn(Message(said, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
         return noisy
@@ -581,8 +582,12 @@ class ChangedRecord(LoadSource):
         return self.record._means if self.load.mean == self.record.mean else ()
 
     @property
-    def _residual_density(self) -> Noise:
-        return 0.0 if self.load.noise else self.record._residual_density
+    def _is_uneven(self) -> bool:
+        return not self.load.noise and self.record._is_uneven
+
+    def _with_residual(self) -> ChangedRecord:
+        noise = self.record.noise_spectrum
+        return ChangedRecord(self.record, lambda fit: _with_noise(noise, self.change(fit)))
 
     def _line_in_words(self, line: Second) -> str:
         return self.record._line_in_words(line)

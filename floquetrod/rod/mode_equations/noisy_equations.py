@@ -29,10 +29,12 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import EPS, Bools, Floats, Ints
 from floquetrod.equations import HillSystem, SecondMoments, second_moments
 from floquetrod.rod.loads.load import Load, Loads, density_at, largest_density
+from floquetrod.rod.mode_equations.narrow_noise import Densities, densities_about
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, ModeConstants
 
 _SINGLE = 64  # modes each with a bound of its own (a choice)
 _WIDER = 1.125  # numbers of modes at both ends of a block of higher ones (a choice)
+_MOST_IN_REACH = 512  # modes that noise in a band acts on, at most (a choice)
 _EXAMINED = 128  # modes at most that a growth rate needs, the rest of which is in its error (a choice)
 _NEGLIGIBLE = 1e-10  # growth beside that of others, in terms of damping and of the limit of high modes (a choice)
 _NEWTON = 12  # steps
@@ -46,7 +48,7 @@ IN_MEAN_SQUARE = (
 ASSUMED = (
     IN_MEAN_SQUARE,
     "the random force acts on each mode as white noise of its density at twice the mode's frequency (Ito's sense and "
-    "Stratonovich's are the same)",
+    "Stratonovich's are the same); where it is uneven there the growth is known between two rates",
 )
 """What is assumed of noise."""
 
@@ -78,6 +80,8 @@ class ModeCoefficients(NamedTuple):
         c in 1/s.
     unit : float, optional
         Inverse of the unit of time of `moments` in 1/s, by default about w.
+    per_newton : ndarray, optional
+        k, what a newton of compression takes from the stiffness, in 1/(N s^2).
     """
 
     squared: Floats
@@ -86,6 +90,11 @@ class ModeCoefficients(NamedTuple):
     intensity: Floats
     damping: float
     unit: float | None = None
+    per_newton: Any = 0.0
+
+    def with_density(self, density: Floats) -> ModeCoefficients:
+        """Return the equations with a density in N^2/Hz at twice the frequency of each mode."""
+        return self._replace(intensity=np.abs(self.per_newton) * np.sqrt(0.5 * density))
 
     @property
     def growth_bounds(self) -> tuple[Floats, Floats]:
@@ -158,9 +167,26 @@ class NoisyModes:
         per_newton = constants.per_newton * (m2 - constants.neutral_squared)
         squared = constants.bending * m2 * m2 - per_newton * mean + constants.restoring
         at = np.sqrt(np.maximum(squared, 0.0)) / math.pi  # twice the mode's frequency, in Hz
-        intensity = np.abs(per_newton) * np.sqrt(0.5 * density_at(self.template.noise, at))
         waves = tuple(-per_newton * amplitude * h for h in self.template.harmonics.tolist())
-        return ModeCoefficients(squared, waves, frequency, intensity, float(constants.damping_rate))
+        damping_rate = float(constants.damping_rate)
+        parts = ModeCoefficients(squared, waves, frequency, np.zeros_like(at), damping_rate, per_newton=per_newton)
+        return parts.with_density(density_at(self.template.noise, at))
+
+    def densities(self, parts: ModeCoefficients) -> Densities:
+        """Return between which densities noise that may be uneven acts on modes, (loads, modes)."""
+        w = np.sqrt(np.maximum(parts.squared, 0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            gain = np.where(w > 0.0, 0.25 * np.abs(parts.per_newton) / w, 0.0)
+        return densities_about(self.template.noise, w / math.pi, gain)
+
+    def in_reach(self, loads: Loads) -> Ints:
+        """Return the numbers of the modes that noise in a band may act on, those up to twice its highest frequency."""
+        if not isinstance(self.template.noise, tuple):
+            return np.zeros(0, dtype=np.int64)
+        numbers = np.arange(1, _MOST_IN_REACH + 1)
+        largest = Loads((1,), *(np.array([values.max()]) for values in loads.flat))
+        slowest = np.sqrt(np.maximum(0.0, self.parts(largest, numbers).squared[0])) / math.pi
+        return numbers[slowest <= 2.0 * self.template.noise[-1][0]]
 
     def limit(self) -> float:
         """Return the growth in 1/s that high modes approach, -2 c where the density ends."""

@@ -297,7 +297,7 @@ MEANT = {
         ("log_decrement", "logarithmic_decrement"),
         "give damping_rate in 1/s, the decrement times the frequency in Hz of the mode it was measured on",
     ),
-    "bore": "the bore of a hole without changes is channel_diameter; a catalogue pipe takes bore",
+    "bore": "a hole of one bore has channel_diameter, one that changes bores; a catalogue pipe takes bore",
     "clearance": "give channel_radius, that of the rod and the clearance together",
 }
 """What is often written for a parameter of a rod, with the remedy."""

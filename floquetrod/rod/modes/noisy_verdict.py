@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, NoReturn
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, wrong_value
-from floquetrod._util.arrays import Bools
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.equations.batches import pick
 from floquetrod.floquet.dispatch import run, stability
@@ -29,12 +29,14 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.sampled_model import SampledModel
+from floquetrod.units import AnswerUnits
 
 if TYPE_CHECKING:
     from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
     from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
+_LARGE = 5.0  # root mean squares of the noise, rare sizes of which make growth in mean square (a choice)
 _AT_ONCE = 1 << 11  # loads that are judged at once (a choice)
 _STEP = 16  # modes that are examined before the bounds on others are asked again, then twice as many (a choice)
 _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
@@ -190,6 +192,7 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
     bounds = modes.growth_bounds(loads)
     best, fastest = np.full(loads.size, bounds.limit), np.full(loads.size, -1)
     grows, unsure, lost = np.full(loads.size, bounds.limit > growth_tolerance), *np.zeros((2, loads.size), np.bool_)
+    firm = grows.copy()  # whatever noise that is uneven about twice a mode's frequency does
     last, examined = bounds.modes_needed(bounds.least, growth_tolerance), np.zeros(loads.size, dtype=np.int64)
     first, step = 1, _STEP
     while (going := np.flatnonzero(last >= first)).size:
@@ -208,6 +211,8 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
         lost[going] |= np.isnan(rates).any(axis=1)
         rates = np.where(np.isnan(rates), low, rates)
         grows[going] |= ((status == UNSTABLE) & ~tolerated(rates, growth_tolerance)).any(axis=1)
+        least = _with_least_noise(modes, parts, status, rates, workers)
+        firm[going] |= ((status == UNSTABLE) & ~tolerated(least, growth_tolerance)).any(axis=1)
         unsure[going] |= (status == UNDECIDED).any(axis=1)
         most, where = rates.max(axis=1), rates.argmax(axis=1)
         faster = most > best[going]
@@ -216,9 +221,67 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
         last[going] = bounds.some(going).modes_needed(np.maximum(best, bounds.least)[going], growth_tolerance)
         first, step = first + step, 2 * step
     unsure |= bounds.left_out(examined) > growth_tolerance
-    status = np.where(grows, UNSTABLE, np.where(unsure, UNDECIDED, STABLE)).astype(np.int8)
+    unsure |= _with_most_noise(modes, loads, growth_tolerance, workers).growth > growth_tolerance
+    status = np.where(grows & firm, UNSTABLE, np.where(grows | unsure, UNDECIDED, STABLE)).astype(np.int8)
     growth = np.where(lost, np.nan, np.maximum(best, 0.0))
     return Answers(status, growth, np.where(best > 0.0, fastest, 0))
+
+
+def _with_least_noise(
+    modes: NoisyModes, parts: ModeCoefficients, status: Any, rates: Floats, workers: int | None
+) -> Floats:
+    """Return the growth in 1/s of modes that grow under the least density with which their noise may act."""
+    least = parts.with_density(modes.densities(parts).least)
+    chosen = (status == UNSTABLE) & (least.intensity < parts.intensity)
+    found = rates.copy()
+    found[chosen] = np.fmin(rates[chosen], _rates(least, chosen, workers).growth)
+    return found
+
+
+class _Loudest(NamedTuple):
+    """Growth in 1/s of the mode that may grow fastest as its noise is uneven, for each load; -inf where none grows.
+
+    Its number, twice its frequency in Hz, the distance in Hz from there within which the noise acts together, and the
+    root mean square in N of the noise below twice that frequency.  Infinite growth: noise that takes all stiffness.
+    """
+
+    growth: Floats
+    mode: Ints
+    hertz: Floats
+    distance: Floats
+    rms: Floats
+
+
+def _with_most_noise(
+    modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None, numbers: Ints | None = None
+) -> _Loudest:
+    """Return growth beyond a tolerance of the ``numbers``, by default of all modes, under the largest density.
+
+    That is of modes alone with which noise acts that is uneven about twice their frequency.
+    """
+    numbers = modes.in_reach(loads) if numbers is None else numbers
+    if not numbers.size:
+        return _Loudest(np.full(loads.size, -np.inf), *np.zeros((4, loads.size)))
+    parts = modes.parts(loads, numbers)
+    densities = modes.densities(parts)
+    most = parts.with_density(densities.most)
+    high = most.growth_bounds[1]
+    chosen = (most.intensity > parts.intensity) & (high > growth_tolerance)
+    growth = np.full(chosen.shape, -np.inf)
+    if chosen.any():
+        growth[chosen] = np.fmin(np.nan_to_num(_rates(most, chosen, workers).growth, nan=np.inf), high[chosen])
+    growth = np.where(tolerated(growth, growth_tolerance), -np.inf, growth)
+    is_strong = _LARGE * np.abs(parts.per_newton) * densities.rms > np.maximum(parts.squared, 0.0)
+    growth = np.where(is_strong & (parts.squared > 0.0), np.inf, growth)  # a mode that buckles is unstable as it is
+    place, rows = growth.argmax(axis=1), np.arange(loads.size)
+    hertz = np.sqrt(np.maximum(parts.squared, 0.0)) / math.pi
+    return _Loudest(
+        growth[rows, place],
+        numbers[place],
+        hertz[rows, place],
+        densities.distance[rows, place],
+        densities.rms[rows, place],
+    )
 
 
 def _rates(parts: ModeCoefficients, chosen: Bools, workers: int | None) -> ManyVerdicts:
@@ -264,6 +327,7 @@ def classify_noisy(
         left_out = float(bounds.left_out(np.array([len(examined.modes)]))[0])
     rates = examined.rates
     status, note = _concluded(examined, (limit, left_out), growth_tolerance)
+    status, off, doubt = _under_uneven_noise(examined, status, limit, growth_tolerance, chosen)
     exponents = [*examined.exponents, *([complex(limit)] if limit > rates.max() else [])]
     costs = (verdict.cost.amount for verdict in examined.verdicts)
     return RodStability(
@@ -281,11 +345,45 @@ def classify_noisy(
         growth_rate=max(0.0, float(rates.max()), limit),
         exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
         period=2.0 * math.pi / load.frequency,
-        error=examined.error((limit, -math.inf if chosen else left_out)),
+        error=examined.error((limit, -math.inf if chosen else left_out)) + off,
         cost=Cost(sum(costs), "operations"),
-        note=note,
+        note="; ".join(filter(None, [note, doubt])),
+        undecided_by=doubt if status == "undecided" else "",
         assumptions=(*assumptions(model.rod, load), *ASSUMED),
     )
+
+
+def _under_uneven_noise(
+    examined: _Examined, status: Status, limit: float, growth_tolerance: float, chosen: tuple[int, ...] | None
+) -> tuple[Status, float, str]:
+    """Return the verdict where noise may be uneven about twice a mode's frequency, the error of growth, and why."""
+    modes, loads, rates = examined.equations, Loads.single(examined.load), examined.rates
+    flat = Loads((1,), *loads.flat)
+    loudest = _with_most_noise(modes, flat, growth_tolerance, None, None if chosen is None else np.array(chosen))
+    most, fastest = float(loudest.growth[0]), max(0.0, float(rates.max()), limit)
+    grows = np.array([[STATUS_CODES[verdict.status] for verdict in examined.verdicts]])
+    least = _with_least_noise(modes, modes.parts(flat, examined.modes), grows, rates[None, :], None)[0]
+    off = max(0.0, float(rates.max() - least[rates.argmax()]), most - fastest)
+    if status == "stable" and most > growth_tolerance:
+        doubt = (
+            f"the noise is uneven within {loudest.distance[0]:.2g} Hz of {loudest.hertz[0]:.4g} Hz, twice the "
+            f"frequency of mode {int(loudest.mode[0])}: the mode may grow at about {most:.2g} 1/s in mean square, see "
+            "fr.filtered_growth"
+        )
+        if most == math.inf:
+            force = AnswerUnits.named(given=examined.load.given_units).force
+            doubt = (
+                f"noise of {force.show(float(loudest.rms[0]), 3)} below {2.0 * loudest.hertz[0]:.4g} Hz at times takes "
+                f"all stiffness of mode {int(loudest.mode[0])}, and is not small beside it"
+            )
+        return "undecided", off, doubt
+    if status == "unstable" and limit <= growth_tolerance and tolerated(least.max(), growth_tolerance):
+        return (
+            "undecided",
+            off,
+            "the noise is uneven about twice the frequencies of the modes that grow: see theory/noise",
+        )
+    return status, off, ""
 
 
 def high_modes_grow(limit: float, damping_rate: float) -> str:

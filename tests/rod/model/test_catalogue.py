@@ -257,7 +257,7 @@ def test_keys_replace_what_the_catalogue_says(tmp_path: Path) -> None:
         ('catalogue = "2x.156"\nbore = 0.12\nlength = 60\ninclinaton = 1', "unknown key 'inclinaton'; did you mean"),
         (
             "bore = 0.12\nlength = 60",
-            r"unknown key 'bore'; the bore of a hole without changes is channel_diameter; a catalogue pipe takes bore",
+            "unknown key 'bore'; a hole of one bore has channel_diameter, one that changes bores; a catalogue pipe",
         ),
         ("radis = 0.12\nlength = 60", "unknown key 'radis'; did you mean radius?"),
         ("fluid_insde = 0.12", "unknown key 'fluid_insde'; did you mean fluid_inside?"),

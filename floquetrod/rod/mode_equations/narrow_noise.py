@@ -1,0 +1,73 @@
+"""Noise in a narrow band: between which densities it acts on a mode as white noise would.
+
+A mode of frequency f grows in mean square at 4 g^2 S - 2 c under white noise of density S, and at g A - c under a sine
+of amplitude A and frequency 2 f, with a tongue from 2 f - g A / pi to 2 f + g A / pi.  Noise within d of 2 f has the
+mean square V(d), the integral of S from 2 f - d to 2 f + d.  As its amplitude changes slowly it acts like a sine while
+d is less than the half-width of the tongue of a sine three times as strong, 3 sqrt(2 V(d)) g / pi: the large
+amplitudes, though rare, make the growth in mean square.  Within such a d it is not told from white noise of its mean,
+V(d) / 2 d, and where this differs from S(2 f) the growth is known between both alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util.arrays import Floats
+from floquetrod.rod.loads.load import Noise, density_at
+
+_TOGETHER = 3.0 * math.sqrt(2.0) / math.pi  # half-width in Hz of the tongue, over g sqrt(V) (a choice: three times)
+_DISTANCES = np.geomspace(1e-4, 1.0, 64)  # d over the highest frequency of the noise (a choice)
+_EVEN = 1e-3  # difference of densities, relative to the density, that is none (a choice)
+_AT_ONCE = 1 << 13  # frequencies
+
+
+class Densities(NamedTuple):
+    """Least and largest density in N^2/Hz, and the distance in Hz within which the largest is found.
+
+    With the root mean square in N of the noise up to four times the mode's frequency, 0 of white noise.
+    """
+
+    least: Floats
+    most: Floats
+    distance: Floats
+    rms: Floats
+
+
+def densities_about(noise: Noise, hertz: Floats, gain: Floats) -> Densities:
+    """Return between which densities noise acts on modes, from frequencies 2 f in Hz and g in 1/(N s), of one shape."""
+    if not isinstance(noise, tuple):
+        density = density_at(noise, hertz)
+        return Densities(density, density, *np.zeros((2, *density.shape)))
+    flat = [np.ravel(each) for each in np.broadcast_arrays(hertz, gain)]
+    blocks = range(0, flat[0].size, _AT_ONCE)
+    found = [_about(noise, *(each[start : start + _AT_ONCE] for each in flat)) for start in blocks]
+    shape = np.broadcast_shapes(np.shape(hertz), np.shape(gain))
+    return Densities(*(np.concatenate(each).reshape(shape) for each in zip(*found, strict=True)))
+
+
+def _about(noise: Noise, hertz: Floats, gain: Floats) -> Densities:
+    """Return the densities about flat frequencies."""
+    at = np.array([0.0, *(pair[0] for pair in noise if pair[0] > 0.0)])  # type: ignore[misc,operator]
+    density = density_at(noise, at)
+    whole = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(at) * (density[1:] + density[:-1]))])
+
+    def mean_square(to: Any) -> Any:
+        """Return the integral of the density from 0 to a frequency, a parabola between two of its places."""
+        place = np.clip(np.searchsorted(at, to, side="right") - 1, 0, at.size - 1)
+        part = np.minimum(to, at[-1]) - at[place]
+        return whole[place] + 0.5 * part * (density[place] + density_at(noise, at[place] + part))
+
+    distance = _DISTANCES * at[-1]
+    below = np.maximum(0.0, hertz[:, None] - distance)
+    strength = np.maximum(0.0, mean_square(hertz[:, None] + distance) - mean_square(below))
+    own = density_at(noise, hertz)
+    together = distance <= _TOGETHER * gain[:, None] * np.sqrt(strength)
+    mean = np.where(together, strength / (hertz[:, None] + distance - below), own[:, None])
+    place = mean.argmax(axis=1)
+    least, most = mean.min(axis=1), mean[np.arange(hertz.size), place]
+    least, most = (np.where(np.abs(each - own) > _EVEN * own, each, own) for each in (least, most))
+    rms = np.sqrt(mean_square(2.0 * hertz))
+    return Densities(np.minimum(least, own), np.maximum(most, own), distance[place], rms)
