@@ -152,7 +152,8 @@ def _with_means(
     """
     if not record._means:
         return
-    means, load = np.linspace(*record._means, _MEANS), record.load
+    begin, end = record._means
+    means, load = np.linspace(begin, end, _MEANS), record.load
     if modes is None:
         loads = Loads((_MEANS,), means, np.full(_MEANS, load.amplitude), np.full(_MEANS, load.frequency))
         statuses, growths, _ = model.under(load).answers(loads, tolerance)
@@ -167,8 +168,8 @@ def _with_means(
     low, high = sorted((first, last))
     where = force.show(low, 4) if low == high else f"{force.of(low):.4g} to {force.show(high, 4)}"
     names = " or ".join(dict.fromkeys(_NAMES[int(statuses[k])] for k in others))
-    ends = f"{force.of(record._means[0]):.4g} to {force.show(record._means[1], 4)}"
-    said = f"the mean force of the record drifts from {ends}, and with means of {where} the rod is {names}"
+    drift = f"{force.of(begin):.4g} to {force.show(end, 4)}"
+    said = f"the mean force of the record drifts from {drift}, and with means of {where} the rod is {names}"
     yield _Trial(int(statuses[others[0]]), float(np.nanmax(growths)), said, said, False)
 
 

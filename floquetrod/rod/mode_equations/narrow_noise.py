@@ -48,9 +48,9 @@ def densities_about(noise: Noise, hertz: Floats, gain: Floats) -> Densities:
     return Densities(*(np.concatenate(each).reshape(shape) for each in zip(*found, strict=True)))
 
 
-def _about(noise: Noise, hertz: Floats, gain: Floats) -> Densities:
+def _about(noise: tuple[tuple[float, float], ...], hertz: Floats, gain: Floats) -> Densities:
     """Return the densities about flat frequencies."""
-    at = np.array([0.0, *(pair[0] for pair in noise if pair[0] > 0.0)])  # type: ignore[misc,operator]
+    at = np.array([0.0, *(pair[0] for pair in noise if pair[0] > 0.0)])
     density = density_at(noise, at)
     whole = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(at) * (density[1:] + density[:-1]))])
 

@@ -186,7 +186,7 @@ class NoisyModes:
         numbers = np.arange(1, _MOST_IN_REACH + 1)
         largest = Loads((1,), *(np.array([values.max()]) for values in loads.flat))
         slowest = np.sqrt(np.maximum(0.0, self.parts(largest, numbers).squared[0])) / math.pi
-        return numbers[slowest <= 2.0 * self.template.noise[-1][0]]
+        return np.asarray(numbers[slowest <= 2.0 * self.template.noise[-1][0]])
 
     def limit(self) -> float:
         """Return the growth in 1/s that high modes approach, -2 c where the density ends."""
