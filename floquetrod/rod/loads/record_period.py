@@ -184,18 +184,24 @@ def _limit(samples: Samples, periods: float, most: int) -> int:
 
 
 def _climb(samples: Samples, periods: float, most: int, first: int = 1) -> Fit | None:
-    """Return the fit of all harmonics: of few at first, which know the frequency well enough for more."""
+    """Return the fit of all harmonics: of few at first, which know the frequency well enough for more.
+
+    Of fewer where that of all does not settle, of noise mostly; None where none does.
+    """
     most = _limit(samples, periods, most)
     omega, size = math.pi * periods, min(first, most)
+    last: Fit | None = None
     while size:
         following = min(2 * size, most)
         few = size < most and samples.is_long
         found = fit(samples.some if few else samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
         if few and (found is None or found.frequency_error * following > _KNOWN):
             found = fit(samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
-        if found is None or size == most:
+        if found is None:
+            return last
+        if size == most:
             return found
-        omega, size = found.omega, following
+        last, omega, size = found, found.omega, following
     return None
 
 
