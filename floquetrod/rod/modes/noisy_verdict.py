@@ -238,7 +238,7 @@ def _with_least_noise(
     return found
 
 
-class _Loudest(NamedTuple):
+class _Strongest(NamedTuple):
     """Growth in 1/s of the mode that may grow fastest as its noise is uneven, for each load; -inf where none grows.
 
     Its number, twice its frequency in Hz, the distance in Hz from there within which the noise acts together, and the
@@ -254,14 +254,14 @@ class _Loudest(NamedTuple):
 
 def _with_most_noise(
     modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None, numbers: Ints | None = None
-) -> _Loudest:
+) -> _Strongest:
     """Return growth beyond a tolerance of the ``numbers``, by default of all modes, under the largest density.
 
     That is of modes alone with which noise acts that is uneven about twice their frequency.
     """
     numbers = modes.in_reach(loads) if numbers is None else numbers
     if not numbers.size:
-        return _Loudest(np.full(loads.size, -np.inf), *np.zeros((4, loads.size)))
+        return _Strongest(np.full(loads.size, -np.inf), *np.zeros((4, loads.size)))
     parts = modes.parts(loads, numbers)
     densities = modes.densities(parts)
     most = parts.with_density(densities.most)
@@ -275,7 +275,7 @@ def _with_most_noise(
     growth = np.where(is_strong & (parts.squared > 0.0), np.inf, growth)  # a mode that buckles is unstable as it is
     place, rows = growth.argmax(axis=1), np.arange(loads.size)
     hertz = np.sqrt(np.maximum(parts.squared, 0.0)) / math.pi
-    return _Loudest(
+    return _Strongest(
         growth[rows, place],
         numbers[place],
         hertz[rows, place],
@@ -359,22 +359,22 @@ def _under_uneven_noise(
     """Return the verdict where noise may be uneven about twice a mode's frequency, the error of growth, and why."""
     modes, loads, rates = examined.equations, Loads.single(examined.load), examined.rates
     flat = Loads((1,), *loads.flat)
-    loudest = _with_most_noise(modes, flat, growth_tolerance, None, None if chosen is None else np.array(chosen))
-    most, fastest = float(loudest.growth[0]), max(0.0, float(rates.max()), limit)
+    strongest = _with_most_noise(modes, flat, growth_tolerance, None, None if chosen is None else np.array(chosen))
+    most, fastest = float(strongest.growth[0]), max(0.0, float(rates.max()), limit)
     grows = np.array([[STATUS_CODES[verdict.status] for verdict in examined.verdicts]])
     least = _with_least_noise(modes, modes.parts(flat, examined.modes), grows, rates[None, :], None)[0]
     off = max(0.0, float(rates.max() - least[rates.argmax()]), most - fastest)
     if status == "stable" and most > growth_tolerance:
         doubt = (
-            f"the noise is uneven within {loudest.distance[0]:.2g} Hz of {loudest.hertz[0]:.4g} Hz, twice the "
-            f"frequency of mode {int(loudest.mode[0])}: the mode may grow at about {most:.2g} 1/s in mean square, see "
+            f"the noise is uneven within {strongest.distance[0]:.2g} Hz of {strongest.hertz[0]:.4g} Hz, twice the "
+            f"frequency of mode {int(strongest.mode[0])}: the mode may grow at about {most:.2g} 1/s in mean square, see "
             "fr.filtered_growth"
         )
         if most == math.inf:
             force = AnswerUnits.named(given=examined.load.given_units).force
             doubt = (
-                f"noise of {force.show(float(loudest.rms[0]), 3)} below {2.0 * loudest.hertz[0]:.4g} Hz at times takes "
-                f"all stiffness of mode {int(loudest.mode[0])}, and is not small beside it"
+                f"noise of {force.show(float(strongest.rms[0]), 3)} below {2.0 * strongest.hertz[0]:.4g} Hz at times takes "
+                f"all stiffness of mode {int(strongest.mode[0])}, and is not small beside it"
             )
         return "undecided", off, doubt
     if status == "unstable" and limit <= growth_tolerance and tolerated(least.max(), growth_tolerance):

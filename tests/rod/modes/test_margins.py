@@ -44,12 +44,12 @@ def compare(quantity: Any, rng: np.random.Generator, count: int) -> None:
         margin = verdict.margin(quantity, seconds=1.0)
         low, high = max(here, here + above - 20.0 * margin.resolution), here + above + 2.0 * margin.resolution
         ranges = rod.ranges(quantity, load, (low, high), growth_tolerance=verdict.margin_tolerance)
-        first = ranges.intervals[0]
+        first, slack = ranges.intervals[0], 1e-8 * abs(here + above)  # a mean force may be a pull
         assert first.low == low
-        if first.high < (here + above) * (1.0 - 1e-8):  # a part that the margin, which has fewer samples, passed over
+        if first.high < here + above - slack:  # a part that the margin, which has fewer samples, passed over
             gap = ranges.intervals[1].low - first.high if len(ranges.intervals) > 1 else high - first.high
             assert gap <= margin.resolution, question
-        elif first.high > (here + above) * (1.0 + 1e-8):  # one that the ranges passed over
+        elif first.high > here + above + slack:  # one that the ranges passed over
             beyond = load.varied(quantity, here + above + ranges.resolution)
             assert rod.stability(beyond, growth_tolerance=verdict.margin_tolerance).status != "unstable", question
         else:
