@@ -367,14 +367,14 @@ def _under_uneven_noise(
     if status == "stable" and most > growth_tolerance:
         doubt = (
             f"the noise is uneven within {strongest.distance[0]:.2g} Hz of {strongest.hertz[0]:.4g} Hz, twice the "
-            f"frequency of mode {int(strongest.mode[0])}: the mode may grow at about {most:.2g} 1/s in mean square, see "
-            "fr.filtered_growth"
+            f"frequency of mode {int(strongest.mode[0])}: the mode may grow at about {most:.2g} 1/s in mean square, "
+            "see fr.filtered_growth"
         )
         if most == math.inf:
             force = AnswerUnits.named(given=examined.load.given_units).force
             doubt = (
-                f"noise of {force.show(float(strongest.rms[0]), 3)} below {2.0 * strongest.hertz[0]:.4g} Hz at times takes "
-                f"all stiffness of mode {int(strongest.mode[0])}, and is not small beside it"
+                f"noise of {force.show(float(strongest.rms[0]), 3)} below {2.0 * strongest.hertz[0]:.4g} Hz at times "
+                f"takes all stiffness of mode {int(strongest.mode[0])}, and is not small beside it"
             )
         return "undecided", off, doubt
     if status == "unstable" and limit <= growth_tolerance and tolerated(least.max(), growth_tolerance):
