@@ -315,8 +315,9 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
 
 
 def _sine(question: _Question) -> RodStability:
-    """Return the verdict on the load without its higher harmonics and its noise."""
-    sine: Load = replace(question.load, waveform="sine", noise=0.0)
+    """Return the verdict on the load without its higher harmonics, its noise and its second sine."""
+    alone = {"second": None} if question.load.second is not None else {}
+    sine: Load = replace(question.load, waveform="sine", noise=0.0, **alone)
     return question.rod.stability(sine, growth_tolerance=question.tolerance)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from floquetrod._util.result_report import Report
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, describe_command, figures, write_figures
 from floquetrod.cli.loads import add_question, read_ranges, without
@@ -68,5 +69,14 @@ def _ranges(options: argparse.Namespace) -> Output:
         found.find_unstable(progress)
     unit = shown[varied[0]]
     written = write_figures(options.out, lambda: found.plot(unit=unit))
-    said = without(left_out, lambda: found.report(unit, full=options.full), found.as_dict)
+    is_measured = options.force is not None and isinstance(like.noise, tuple)
+    beside = [("", "the errors of its density, which check counts, are left out")] if is_measured else []
+
+    def report() -> Report:
+        said = found.report(unit, full=options.full)
+        labels = [label for label, _ in said.lines]
+        after = labels[labels.index("noise") + 1 :] if "noise" in labels else []
+        return said.with_lines(beside, before=after[0] if after else None)
+
+    said = without(left_out, report, found.as_dict)
     return output(options, *said, written=written)

@@ -212,7 +212,7 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
         rates = np.where(np.isnan(rates), low, rates)
         grows[going] |= ((status == UNSTABLE) & ~tolerated(rates, growth_tolerance)).any(axis=1)
         least = _with_least_noise(modes, parts, status, rates, workers)
-        firm[going] |= ((status == UNSTABLE) & ~tolerated(least, growth_tolerance)).any(axis=1)
+        firm[going] |= ((status == UNSTABLE) & (least > growth_tolerance)).any(axis=1)
         unsure[going] |= (status == UNDECIDED).any(axis=1)
         most, where = rates.max(axis=1), rates.argmax(axis=1)
         faster = most > best[going]
@@ -377,7 +377,7 @@ def _under_uneven_noise(
                 f"takes all stiffness of mode {int(strongest.mode[0])}, and is not small beside it"
             )
         return "undecided", off, doubt
-    if status == "unstable" and limit <= growth_tolerance and tolerated(least.max(), growth_tolerance):
+    if status == "unstable" and max(limit, float(least.max())) <= growth_tolerance:
         return (
             "undecided",
             off,

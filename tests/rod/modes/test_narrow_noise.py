@@ -96,3 +96,17 @@ def test_a_density_that_is_linear_about_a_frequency_is_its_own() -> None:
     np.testing.assert_allclose([found.least, found.most], [[1.75, 2.25], [1.75, 2.25]], rtol=1e-9)
     even = densities_about(2.0, np.array([4.0]), np.array([10.0]))
     assert even.least == even.most == 2.0
+
+
+def test_growth_that_uneven_noise_may_undo_is_undecided() -> None:
+    """In a narrow box the least density within the reach of the noise makes nothing grow, in arrays as well."""
+    w, k = coefficients()
+    centre, density = w / math.pi, 8.0 * ROD.damping_rate * w**2 / k**2
+    for factor in (1.01, 1.5):
+        size = factor * density
+        noise = [(0.985 * centre, 0.0), (0.99 * centre, size), (1.01 * centre, size), (1.015 * centre, 0.0)]
+        load = fr.AxialLoad(MEAN, 0.0, 10.0, noise=noise)
+        verdict = ROD.stability(load)
+        assert verdict.status == "undecided"
+        assert verdict.growth_rate <= verdict.error
+        assert int(ROD.verdicts(load, mean=MEAN)) == -1
