@@ -36,7 +36,7 @@ from floquetrod.parameter import REQUIRED
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability, damping_lines
 from floquetrod.rod.answers.search_pieces import FEW_MODES
-from floquetrod.rod.loads.load import Load, LoadSource, Quantity
+from floquetrod.rod.loads.load import AxialLoad, Load, LoadSource, Quantity
 from floquetrod.rod.model.beam import CONDITIONS
 from floquetrod.rod.model.parameters import INSTEAD, ROD
 
@@ -316,8 +316,9 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
 
 def _sine(question: _Question) -> RodStability:
     """Return the verdict on the load without its higher harmonics, its noise and its second sine."""
-    alone = {"second": None} if question.load.second is not None else {}
-    sine: Load = replace(question.load, waveform="sine", noise=0.0, **alone)
+    sine: Load = replace(question.load, waveform="sine", noise=0.0)
+    if isinstance(sine, AxialLoad):
+        sine = replace(sine, second=None)
     return question.rod.stability(sine, growth_tolerance=question.tolerance)
 
 
