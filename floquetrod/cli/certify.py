@@ -13,7 +13,7 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli import system
 from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_command, require_no_values
-from floquetrod.cli.loads import add_question, read_ranges, without
+from floquetrod.cli.loads import Ranges, add_question, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.floquet.proof.proof import MAX_BOXES
@@ -77,7 +77,7 @@ def _certify(options: argparse.Namespace) -> Output:
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     require_no_values(options)
     asked = read_ranges(options)
-    rod, like, values, tolerance, shown, left_out = asked
+    rod, like, values, tolerance, shown, _ = asked
     shown = _typed(options.vary) | shown
     tolerances = dict(_tolerance(text, rod) for text in options.vary)
     asked.warn_of_hertz(options)
@@ -92,7 +92,7 @@ def _certify(options: argparse.Namespace) -> Output:
         load = like.with_numbers(**{name: value for name, (value,) in values.items()})
         with Waiting("searching the widest safe box", "sides moved") as progress:
             largest = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
-        return _answer(options, largest, largest.proof, shown, left_out)
+        return _answer(options, largest, largest.proof, shown, asked)
     box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
     with Waiting("proving", "boxes") as progress:
         proof = rod.certify(
@@ -103,7 +103,7 @@ def _certify(options: argparse.Namespace) -> Output:
             max_boxes=options.max_boxes,
             progress=progress,
         )
-    return _answer(options, proof, proof, shown, left_out)
+    return _answer(options, proof, proof, shown, asked)
 
 
 def _answer(
@@ -111,11 +111,13 @@ def _answer(
     result: RegionProof | SafeBox,
     proof: RegionProof,
     shown: dict[str, str],
-    left_out: str,
+    asked: Ranges,
 ) -> Output:
     """Return the answer, and an exit status where that is asked for."""
     status = _STATUS[proof.status] if options.exit_code else 0
-    return output(options, *without(left_out, lambda: result.report(shown), result.as_dict), status)
+    return output(
+        options, lambda: asked.titled(result.report(shown)), lambda: result.as_dict() | asked.as_numbers, status
+    )
 
 
 _ALIKE = 1e-6  # of a value typed and the rod's own, relatively: digits that are not written

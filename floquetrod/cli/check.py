@@ -177,7 +177,7 @@ def _check(options: argparse.Namespace) -> Output:
     if said.margins is None and options.margins is None:
         damping, rate = _damping(result)
         said.numbers.update(rate)
-        left_out = result.linear.left_out or ("what leaves the verdict undecided" * bool(result.linear.undecided_by))
+        left_out = result.linear.left_out
         why = f"not searched, because they would leave out {left_out}; add --margins for them" if left_out else ""
         said = said._replace(not_searched=[("margins", why or _NOT_SEARCHED), *damping])
     said.lines.extend(undrawn)

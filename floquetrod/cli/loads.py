@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -181,6 +181,19 @@ class Ranges(NamedTuple):
     shown: dict[str, str]
     left_out: str
 
+    def titled(self, report: Report) -> Report:
+        """Return a report whose headline says which sines the answer leaves out."""
+        return replace(report, headline=self.with_left_out(report.headline))
+
+    def with_left_out(self, headline: str) -> str:
+        """Return a headline that says which sines the answer leaves out."""
+        return f"{headline}, without {self.left_out}" if self.left_out else headline
+
+    @property
+    def as_numbers(self) -> dict[str, str]:
+        """The same for JSON."""
+        return {"left_out": self.left_out} if self.left_out else {}
+
     @property
     def varied(self) -> list[Quantity]:
         """Quantities with a range."""
@@ -213,20 +226,6 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     like = replace(like).given_in(typed.or_else(like.given_units))
     left_out = "" if record is None else record._left_out_in_words(like)
     return Ranges(rod, like, values, read_tolerance(options), shown, left_out)
-
-
-def without(
-    left_out: str, report: Callable[[], Report], numbers: Callable[[], dict[str, Any]]
-) -> tuple[Callable[[], Report], Callable[[], dict[str, Any]]]:
-    """Return an answer in words and numbers that says which sines of a measured force it leaves out, "" for none."""
-    if not left_out:
-        return report, numbers
-
-    def said() -> Report:
-        whole = report()
-        return replace(whole, headline=f"{whole.headline}, without {left_out}")
-
-    return said, lambda: numbers() | {"left_out": left_out}
 
 
 def warn_of_hertz(

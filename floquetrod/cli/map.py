@@ -86,7 +86,7 @@ def _map(options: argparse.Namespace) -> Output:
     require_bands_of_csv(options)
     columns, rows = read_points(options.points)
     ranges, mu_and_kick = read_ranges(options), read_friction(options)
-    rod, like, values, tolerance, shown, left_out = ranges
+    rod, like, values, tolerance, shown, _ = ranges
     varied = ranges.varied
     if len(varied) != 2:
         raise ValueError(
@@ -140,11 +140,8 @@ def _map(options: argparse.Namespace) -> Output:
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
         "unstable": bands_in_numbers(chart.bands) if bands else None,
     }
-    lines = [
-        f"{drawn.caption}{', without ' * bool(left_out)}{left_out}",
-        *([bands_listed(drawn.bands)] if bands else []),
-    ]
-    return output(options, lambda: "\n".join(lines), lambda: record, written=written)
+    lines = [ranges.with_left_out(drawn.caption), *([bands_listed(drawn.bands)] if bands else [])]
+    return output(options, lambda: "\n".join(lines), lambda: record | ranges.as_numbers, written=written)
 
 
 def _point(text: str, varied: list[Quantity], across: str, rod: fr.Rod) -> dict[Quantity, float]:

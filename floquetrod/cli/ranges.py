@@ -8,7 +8,7 @@ from typing import Any
 from floquetrod._util.result_report import Report
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, describe_command, figures, write_figures
-from floquetrod.cli.loads import add_question, read_ranges, without
+from floquetrod.cli.loads import add_question, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.model.constants import SLOW_GROWTH
@@ -48,7 +48,7 @@ def add(ranges: Parser) -> None:
 
 def _ranges(options: argparse.Namespace) -> Output:
     asked = read_ranges(options)
-    rod, like, values, tolerance, shown, left_out = asked
+    rod, like, values, tolerance, shown, _ = asked
     varied = asked.varied
     if len(varied) != 1:
         other = (
@@ -73,10 +73,6 @@ def _ranges(options: argparse.Namespace) -> Output:
     beside = [("", "the errors of its density, which check counts, are left out")] if is_measured else []
 
     def report() -> Report:
-        said = found.report(unit, full=options.full)
-        labels = [label for label, _ in said.lines]
-        after = labels[labels.index("noise") + 1 :] if "noise" in labels else []
-        return said.with_lines(beside, before=after[0] if after else None)
+        return asked.titled(found.report(unit, full=options.full).with_lines(beside, before="sampled"))
 
-    said = without(left_out, report, found.as_dict)
-    return output(options, *said, written=written)
+    return output(options, report, lambda: found.as_dict() | asked.as_numbers, written=written)

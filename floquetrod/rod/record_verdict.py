@@ -42,9 +42,9 @@ def record_verdict(
     depart from the fit's by two standard errors; numbers that replace the record's are the same in all.  The root mean
     square of the change in growth adds to the error.  The verdict is undecided where one of them has another verdict or
     where the growth is within this error of the tolerance.  So it is where a line of the record, a sine that the fit
-    does not hold, changes the verdict, or where that is not known; where the mean at an end of a record with a trend
-    does; and where noise that is no sensor's, taken as a random force, does.  ``progress`` is called with the numbers
-    of verdicts and of forces decided and to decide.
+    does not hold, changes the verdict, or where that is not known; where a mean force between those at both ends of a
+    record with a trend does; and where noise that is no sensor's, taken as a random force, does.  ``progress`` is
+    called with the numbers of verdicts and of forces decided and to decide.
     """
     trials = 0
 
@@ -98,6 +98,7 @@ def record_verdict(
         verdict,
         status="undecided" if doubts else verdict.status,
         undecided_by=doubts[0] if doubts else "",
+        left_out=verdict.left_out or "what leaves the verdict undecided" * bool(doubts),
         error=verdict.error + noise + off,
         note="; ".join(filter(None, [verdict.note, note, *said])),
     )
@@ -148,7 +149,7 @@ def _with_means(
 ) -> Iterator[_Trial]:
     """Yield the verdict with a mean force between those at the ends of a record that drifts, where one is another.
 
-    The means are so close together that a drift past one is over before a mode grows noticeably, for most drifts.
+    A tongue between two of the means tried is passed over.
     """
     if not record._means:
         return

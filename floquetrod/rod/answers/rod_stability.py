@@ -25,7 +25,6 @@ from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.references import ROD, references, united
-from floquetrod.floquet.status import Status
 from floquetrod.floquet.verdict import Stability, Verdict
 from floquetrod.rod.answers.evidence import (
     CoupledEvidence,
@@ -129,9 +128,11 @@ class RodStability(Reported, Verdict):
         Basis of the verdict, of independent or coupled modes, with noise and two frequencies as their own kinds: the
         equations of the modes, and the verdict on each or on all together.
     left_out : str
-        Sines of a measured force, in words, that margins leave out; "" for none.
+        What margins leave out of a measured force, in words: its sines that the load does not hold, or what else leaves
+        the verdict undecided; "" for nothing.
     undecided_by : str
-        What about a measured force leaves the verdict undecided, in words; "" for nothing.
+        Why a verdict on a measured force or under noise is undecided, in words; "" where it is decided, or for other
+        reasons.
 
     Modes are numbered as the modes of the rod without axial force, between the same ends.  Attributes of one kind of
     modes only, such as `mode_verdicts` or `shape`, raise an AttributeError that says so for the other.
@@ -435,7 +436,7 @@ class RodStability(Reported, Verdict):
 
         False, too, where they would leave out what counts in the verdict on a measured force.
         """
-        if self.left_out or self.undecided_by:
+        if self.left_out:
             return False
         if isinstance(self.evidence, TwoFrequencyEvidence | TwoFrequencyCoupledEvidence):
             return self.evidence.seconds <= _QUICK_VERDICT
@@ -490,11 +491,12 @@ class RodStability(Reported, Verdict):
             words = section_in_words(self.rod, place, answer_units(shown))
             lines.append(("", f"most in {words}, at {shown['length'].show(place, 4)} from the upper end"))
         if margins is not None:
-            # Those of the fit, whose status is known where a record has doubts beside.
-            fit_status: Status = "unstable" if self.growth_rate > self.growth_tolerance else "stable"
-            lines += margin_lines(margins, fit_status if self.undecided_by else self.status, shown, self._band_beyond)
-            left_out = self.left_out or ("what leaves the verdict undecided" if self.undecided_by else "")
-            lines += [("", f"margins and damping are of the fit alone and leave out {left_out}")] if left_out else []
+            status = self.status
+            if self.left_out:  # margins are of the fit, whose status is known
+                status = "unstable" if self.growth_rate > self.growth_tolerance else "stable"
+            lines += margin_lines(margins, status, shown, self._band_beyond)
+            if self.left_out:
+                lines.append(("", f"margins and damping are of the fit alone and leave out {self.left_out}"))
             if not self.has_exact_margins:
                 lines.append(("", missed_changes(margins, shown)))
             lines += damping_lines(self)
@@ -535,7 +537,7 @@ class RodStability(Reported, Verdict):
         rod, load, near = self.rod, self.load, {}
         if margins is not None:
             near = margins_as_dict(margins, self._band_beyond) | by_keys(self, "damping_to_stabilise_per_s")
-            near |= {"margins_leave_out": left_out} if (left_out := self.left_out or self.undecided_by) else {}
+            near |= {"margins_leave_out": self.left_out} if self.left_out else {}
         return {
             **by_keys(self, "status unstable_modes growth_rate_per_s decay_rate_per_s fastest_mode"),
             "time_to_grow_tenfold_s": plain(self.time_to_grow(10.0)),

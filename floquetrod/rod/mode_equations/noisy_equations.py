@@ -92,6 +92,11 @@ class ModeCoefficients(NamedTuple):
     unit: float | None = None
     per_newton: Any = 0.0
 
+    @property
+    def hertz(self) -> Floats:
+        """Twice the frequencies of the modes in Hz, 0 of those that buckle."""
+        return np.asarray(np.sqrt(np.maximum(self.squared, 0.0)) / math.pi)
+
     def with_density(self, density: Floats) -> ModeCoefficients:
         """Return the equations with a density in N^2/Hz at twice the frequency of each mode."""
         return self._replace(intensity=np.abs(self.per_newton) * np.sqrt(0.5 * density))
@@ -166,18 +171,16 @@ class NoisyModes:
         mean, amplitude, frequency = (values[:, None] for values in loads.flat)
         per_newton = constants.per_newton * (m2 - constants.neutral_squared)
         squared = constants.bending * m2 * m2 - per_newton * mean + constants.restoring
-        at = np.sqrt(np.maximum(squared, 0.0)) / math.pi  # twice the mode's frequency, in Hz
         waves = tuple(-per_newton * amplitude * h for h in self.template.harmonics.tolist())
         damping_rate = float(constants.damping_rate)
-        parts = ModeCoefficients(squared, waves, frequency, np.zeros_like(at), damping_rate, per_newton=per_newton)
-        return parts.with_density(density_at(self.template.noise, at))
+        parts = ModeCoefficients(squared, waves, frequency, np.zeros_like(squared), damping_rate, per_newton=per_newton)
+        return parts.with_density(density_at(self.template.noise, parts.hertz))
 
     def densities(self, parts: ModeCoefficients) -> Densities:
         """Return between which densities noise that may be uneven acts on modes, (loads, modes)."""
-        w = np.sqrt(np.maximum(parts.squared, 0.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            gain = np.where(w > 0.0, 0.25 * np.abs(parts.per_newton) / w, 0.0)
-        return densities_about(self.template.noise, w / math.pi, gain)
+        w = math.pi * parts.hertz
+        gain = np.divide(0.25 * np.abs(parts.per_newton), w, out=np.zeros_like(w), where=w > 0.0)
+        return densities_about(self.template.noise, parts.hertz, gain)
 
     def in_reach(self, loads: Loads) -> Ints:
         """Return the numbers of the modes that noise in a band may act on, those up to twice its highest frequency."""
@@ -185,7 +188,7 @@ class NoisyModes:
             return np.zeros(0, dtype=np.int64)
         numbers = np.arange(1, _MOST_IN_REACH + 1)
         largest = Loads((1,), *(np.array([values.max()]) for values in loads.flat))
-        slowest = np.sqrt(np.maximum(0.0, self.parts(largest, numbers).squared[0])) / math.pi
+        slowest = self.parts(largest, numbers).hertz[0]
         return np.asarray(numbers[slowest <= 2.0 * self.template.noise[-1][0]])
 
     def limit(self) -> float:

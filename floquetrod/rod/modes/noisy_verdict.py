@@ -231,6 +231,8 @@ def _with_least_noise(
     modes: NoisyModes, parts: ModeCoefficients, status: Any, rates: Floats, workers: int | None
 ) -> Floats:
     """Return the growth in 1/s of modes that grow under the least density with which their noise may act."""
+    if not (isinstance(modes.template.noise, tuple) and (status == UNSTABLE).any()):
+        return rates
     least = parts.with_density(modes.densities(parts).least)
     chosen = (status == UNSTABLE) & (least.intensity < parts.intensity)
     found = rates.copy()
@@ -274,11 +276,10 @@ def _with_most_noise(
     is_strong = _LARGE * np.abs(parts.per_newton) * densities.rms > np.maximum(parts.squared, 0.0)
     growth = np.where(is_strong & (parts.squared > 0.0), np.inf, growth)  # a mode that buckles is unstable as it is
     place, rows = growth.argmax(axis=1), np.arange(loads.size)
-    hertz = np.sqrt(np.maximum(parts.squared, 0.0)) / math.pi
     return _Strongest(
         growth[rows, place],
         numbers[place],
-        hertz[rows, place],
+        parts.hertz[rows, place],
         densities.distance[rows, place],
         densities.rms[rows, place],
     )

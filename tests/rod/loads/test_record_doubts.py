@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
@@ -83,9 +84,14 @@ def test_a_mean_that_drifts_across_a_boundary_leaves_it_undecided() -> None:
     assert verdict.status == "undecided"
     assert "drifts from 4004 to 8007 N" in verdict.undecided_by
     assert verdict.undecided_by.endswith("the rod is unstable")
-    across = record(push(1400.0) + 4.5 * (TIME - 30.0) + 60.0 * np.sin(2.0 * math.pi * HERTZ * TIME) + white())
-    ends = [ROD.stability(across.load.varied("mean", mean)).status for mean in across._means]
-    assert ends
+    across = record(push(841.0) - 5.1 * (TIME - 30.0) + white())  # past the tongue from 874 to 966 lbf
+    means = (across.mean, *across._means)
+    assert [ROD.stability(across.load.varied("mean", mean)).status for mean in means] == 3 * ["stable"]
+    verdict = ROD.stability(across)
+    assert verdict.status == "undecided"
+    low, high = re.search(r"with means of (\d+) to (\d+) N the rod is unstable", verdict.undecided_by).groups()
+    assert 873.4 < float(low) / POUND < 885.0
+    assert 955.0 < float(high) / POUND < 966.2
     little = ROD.stability(record(push() + 0.5 * (TIME - 30.0) + white()))
     assert little.status == "stable"
 
@@ -126,6 +132,9 @@ def test_margins_and_ranges_say_which_sines_they_leave_out(
     headline = capsys.readouterr().out.splitlines()[0]
     second = re.fullmatch(r"safe: .* lbf, without the sine (\S+lbf@5\.303\S*Hz) of the record", headline)
     assert second is not None
+    drawn = ["--mean", "1300:1400lbf", "--frequency", "7:8Hz", "--points", "3x3"]
+    assert main(["map", *asked, *drawn, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["left_out"] == f"the sine {second[1]} of the record"
     assert main(["check", *asked, "--no-margins", "--second", second[1]]) == 0
     said = capsys.readouterr()
     assert "beside the fit" not in said.out + said.err
