@@ -50,7 +50,7 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
         r"          frequency   stable 11\.34 rad/s lower or 6\.332 rad/s higher\n",
         r"damping   stable with a damping_rate above 4\.20579 1/s",
         r"checked   modes 1 to 23: every higher mode grows at less than \de-\d+ per second",
-        r"          the table lists the modes that grow and the nearest to growth\n",
+        r"          of these modes the table lists those that grow and the nearest to growth\n",
         r"method    spectral; discriminants good to \de-13 relative",
         r"   7    0\.058051    -0\.242143  tongue 1 +4\.236",
     ):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -88,6 +88,12 @@ class VerdictModel(Protocol):
 
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return the smallest damping rate in 1/s at which, and at every larger one, no mode grows."""
+
+    def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
+
+    def verdict(self, load: Load, modes: Iterable[int] | None = None) -> RodStability:
+        """Return the verdict on some modes."""
 
     def growth_of_modes(self, load: Load, modes: tuple[int, ...]) -> tuple[float, ...]:
         """Return the growth in 1/s of modes."""
@@ -208,6 +214,20 @@ class RodStability(Reported, Verdict):
         times as much.
         """
         return self.model.damping_to_stabilise(self)
+
+    @cached_property
+    def decay_rate(self) -> float:
+        """Rate in 1/s at which the slowest motion decays, of second moments under noise; 0 where none is known to.
+
+        Independent modes beyond those examined cannot grow but may decay more slowly: these are examined when this is
+        asked, under noise the first 128.  Of coupled modes it is the slowest motion of the modes examined, as all
+        were where the caller chose them.
+        """
+        known = super().decay_rate
+        if self.evidence.shares_growth or not known or math.isinf(self.left_out_bound):
+            return known
+        beyond = range(len(self.modes) + 1, self.model.modes_needed(self.load, -known)[0] + 1)
+        return min(known, -self.model.verdict(self.load, beyond)._slowest) if beyond else known
 
     # --- defined for one kind of modes only ---
 
@@ -503,7 +523,7 @@ class RodStability(Reported, Verdict):
         table = table_of_parts(self.rod, answer_units(shown)) if self.rod.varies else _mode_table(evidence)
         lines.append(("checked", self.cutoff))
         if table is not None and not self.rod.varies:
-            lines.append(("", "the table lists the modes that grow and the nearest to growth"))
+            lines.append(("", "of these modes the table lists those that grow and the nearest to growth"))
         lines.append(("method", _method(self)))
         lines += [("note", self.note)] if self.note else []
         return Report(_headline(self), lines, table, assumptions=self.assumptions)

@@ -273,9 +273,16 @@ class NoisyModes:
         return largest_density(self.template.noise, np.sqrt(np.maximum(0.0, squared)) / math.pi)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
-        """Return how many modes decide a verdict, and a bound in 1/s on the growth in mean square of all others."""
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth in mean square of all others.
+
+        A tolerance below zero asks for all modes that may decay more slowly than that, of the first `_EXAMINED`.
+        """
         bounds = self.growth_bounds(Loads.single(load))
-        last = bounds.modes_needed(bounds.least, growth_tolerance)
+        last = (
+            bounds.modes_needed(bounds.least, growth_tolerance)
+            if growth_tolerance >= 0.0
+            else bounds.modes_above(np.array([growth_tolerance]))
+        )
         return int(last[0]), max(0.0, float(bounds.left_out(last)[0]))
 
 
@@ -325,10 +332,14 @@ class GrowthBounds(NamedTuple):
             for least in (0.0, 2.0 * NEGLIGIBLE_GROWTH)
         )
         decisive = np.where(decisive > MOST_MODES, loosely, decisive)
-        sharp = self._modes_beyond_which(np.maximum(fastest, 0.0) + self.negligible)
+        sharp = self.modes_above(np.maximum(fastest, 0.0))
         some = np.where(fastest > growth_tolerance, np.minimum(decisive, _EXAMINED), decisive)
         highest = np.where(self.low.max(axis=1) > self.limit, self.low.argmax(axis=1) + 1, 1)
-        return np.maximum(np.where(decisive > MOST_MODES, highest, some), np.minimum(sharp, _EXAMINED))
+        return np.maximum(np.where(decisive > MOST_MODES, highest, some), sharp)
+
+    def modes_above(self, growth: Floats) -> Ints:
+        """Return how many modes may grow, by more than is negligible, faster than that; `_EXAMINED` at most."""
+        return np.minimum(self._modes_beyond_which(growth + self.negligible), _EXAMINED)
 
     def _modes_beyond_which(self, growth: Floats) -> Ints:
         """Return after how many modes, one at least, none grows faster, for each load; more than all where some may."""

@@ -98,12 +98,16 @@ class ModeConstants(NamedTuple):
         return math.floor(math.sqrt(squared))
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
-        """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`."""
+        """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`.
+
+        A tolerance below zero asks for all modes that may decay more slowly than that.
+        """
         self.require_in_reach(Loads.single(load))
         a, b, stiffness, d, neutral_squared = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
         c = self.damping_rate / load.frequency
         d -= c * c
-        target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
+        slowest = growth_tolerance if growth_tolerance < 0.0 else max(growth_tolerance, NEGLIGIBLE_GROWTH)
+        target = max(c + slowest / load.frequency, NEGLIGIBLE_GROWTH / load.frequency)
         last = kernels.modes_needed(a, b, stiffness, d, neutral_squared, target, 1)
         if last > MOST_MODES:
             raise validate.wrong_value(
