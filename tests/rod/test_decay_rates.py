@@ -7,8 +7,9 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.results import RodStability
+from tests.conftest import depth
 
-DRAWS = {"one sine": 60, "two sines": 40, "noise": 14, "noise in a band": 12}
+DRAWS = {"one sine": depth(60, 10), "two sines": depth(40, 4), "noise": depth(25, 4), "noise in a band": depth(12, 5)}
 MANY = 50  # modes, beyond which none of these decays more slowly
 
 
@@ -25,7 +26,7 @@ def drawn(kind: str, rng: np.random.Generator) -> tuple[fr.Rod, fr.AxialLoad]:
         start = rng.uniform(20.0, 150.0)
         density = rng.uniform(0.0, 3e-4) * critical**2
         more["noise"] = ((start, density), (start + rng.uniform(100.0, 300.0), density))
-    mean, amplitude, frequency = rng.uniform([0.0, 0.0, 50.0], [0.9 * critical, 0.4 * critical, 600.0]).tolist()
+    mean, amplitude, frequency = rng.uniform([0.0, 0.0, 150.0], [0.8 * critical, 0.15 * critical, 600.0]).tolist()
     return rod, fr.AxialLoad(mean, amplitude, frequency, **more)
 
 
