@@ -82,15 +82,18 @@ def _draw_spectrum(record: Any, ax: Any, shown: Unit) -> None:
     size = f"{shown.of(record.noise):.3g} {shown.name}"
     ax.plot(frequency, whole, color="0.75", linewidth=0.8, label="record less mean and trend")
     ax.plot(frequency, left, color="0.4", linewidth=0.8, label="what the fit leaves")
-    places = np.array(record.harmonic_numbers) - 1
+    places = np.array(record.harmonic_numbers, dtype=int) - 1
     sizes, errors = shown.of(np.abs(record.harmonics[places])), shown.of(2.0 * record.harmonic_errors[places])
-    ax.errorbar(
-        (places + 1) / record.period, sizes, errors, fmt="o", color="black", markersize=4, label="harmonics kept"
-    )
+    end, largest = frequency[-1], float(whole.max())
+    if places.size:
+        end, largest = min(end, _BEYOND * (places[-1] + 1) / record.period), float(sizes.max())
+        ax.errorbar(
+            (places + 1) / record.period, sizes, errors, fmt="o", color="black", markersize=4, label="harmonics kept"
+        )
     ax.axhline(noise, color="black", linestyle="--", linewidth=0.8, label=f"noise of {size} a sample, on average")
     ax.set_yscale("log")
-    ax.set_xlim(0.0, min(frequency[-1], _BEYOND * (places[-1] + 1) / record.period))
-    ax.set_ylim(0.1 * noise if noise > 1e-9 * sizes.max() else 1e-6 * sizes.max(), 2.0 * sizes.max())
+    ax.set_xlim(0.0, end)
+    ax.set_ylim(0.1 * noise if noise > 1e-9 * largest else 1e-6 * largest, 2.0 * largest)
     ax.set_xlabel("frequency / Hz")
     ax.set_ylabel(f"amplitude / {shown.name}")
     ax.legend(fontsize="x-small", loc="upper right")

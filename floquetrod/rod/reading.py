@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -42,7 +43,8 @@ _LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
 def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRecord | None:
     """Return the measured force in the file ``force``, None without any.
 
-    Raises ValueError where it cannot be read, and for what says how to read it without a file.
+    Without a harmonic where none stands out and ``given`` asks for its noise alone.  Raises ValueError where it cannot
+    be read, and for what says how to read it without a file.
     """
     if given["force"] is None:
         for name in RECORD_OPTIONS:
@@ -52,20 +54,31 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
                     f"{named(name)} needs {force}, got {given[name]!r} alone: it says how to read that file"
                 )
         return None
-    columns = (column_text(given[name]) for name in ("time_column", "force_column"))
+    columns = [column_text(given[name]) for name in ("time_column", "force_column")]
     from floquetrod.rod.loads.record import ForceRecord
     from floquetrod.rod.loads.record_period import NoPeriodError
 
     wanted = "a text file with columns of time and force"
     require_file(named("force"), Path(given["force"]), wanted)
-    try:
+
+    def read(harmonics: int | None = None) -> ForceRecord:
         return ForceRecord.from_csv(
             given["force"],
             *columns,
             time_unit=given["time_unit"],
             force_unit=given["force_unit"],
             frequency=given["force_frequency"],
+            harmonics=harmonics,
         )
+
+    try:
+        if not _is_noise_alone(given):
+            return read()
+        with contextlib.suppress(NoPeriodError):
+            record = read()
+            if not record._may_be_noise:
+                return record
+        return read(harmonics=0)
     except NoPeriodError:  # whose file was read
         raise
     except (ValueError, OSError) as error:
@@ -75,6 +88,17 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
         if is_of_options and about is not None and (not about.where or about.name == "frequency"):
             raise ValueError(message) from None
         raise ValueError(f"{named('force')} must be {wanted}: {message}") from None
+
+
+def _is_noise_alone(given: Mapping[str, Any]) -> bool:
+    """Return whether the amplitude is zero and the noise that of a record, whose frequency is not given."""
+    amplitude, noise = given.get("amplitude"), given.get("noise")
+    if given["force_frequency"] is not None or noise is None or noise.strip().lower() != "spectrum":
+        return False
+    try:
+        return LOAD["amplitude"].quantity(amplitude, "amplitude", critical_force=1.0) == 0.0
+    except (TypeError, ValueError):  # none, a range, or what is refused where it is read
+        return False
 
 
 _OF_COLUMNS = {

@@ -129,8 +129,11 @@ def _with_line(
     doubt = f"the sine {sine} that the record holds beside the fit may change the verdict"
     unknown = STATUS_CODES["undecided"], math.inf
     if record.load.noise:
+        alone = f"--second {sine} without --noise"
+        if record.load.waveform == "sine":  # no harmonic was fitted
+            alone = f"--force-frequency {line[1] / (2.0 * math.pi):.6g}Hz without --amplitude and --noise"
         note = f"the sine {sine} beside the fit may change the verdict: what it does beside noise is not known; ask "
-        return _Trial(*unknown, f"{note}about it alone: --second {sine} without --noise", doubt, True)
+        return _Trial(*unknown, f"{note}about it alone: {alone}", doubt, True)
     try:
         if record.load.second is not None:
             raise ValueError("a load has one second sine at most")

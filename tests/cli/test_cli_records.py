@@ -225,6 +225,41 @@ def test_a_record_of_noise_alone_names_the_question_without_it(
     assert "in mean square" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("low", "high"), [(20.0, 30.0), (24.0, 24.5)])
+def test_a_band_of_noise_alone_is_answered_with_its_spectrum(
+    low: float, high: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By the command that is named, as in Python; where a sine is fitted to chance in the band it is noise as well."""
+    path, random, t = tmp_path / "band.csv", np.random.default_rng(2), np.arange(0.0, 20.0, 2e-3)
+    at = np.fft.rfftfreq(t.size, 2e-3)
+    band = ((at > low) & (at < high)) * (random.standard_normal(at.size) + 1j * random.standard_normal(at.size))
+    force = np.fft.irfft(band, t.size)
+    np.savetxt(path, np.c_[t, 1.0 + 0.03 * force / force.std()], "%.9g", ",", header="time / s,force / N", comments="")
+    question = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--no-margins", "--force", str(path)]
+    named = cli.main(question)
+    said = capsys.readouterr()
+    match = re.search(r"random alone, take .*?: (--amplitude 0 --noise spectrum) ", said.out + said.err)
+    assert match is not None, named
+    assert cli.main([*question, *match[1].split(), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    record = fr.ForceRecord.from_csv(path, harmonics=0)
+    verdict = ROD.replace(damping_rate=0.3).stability(record.noisy_load)
+    assert record.noise == pytest.approx(0.03, rel=1e-3)
+    assert (found["status"], found["growth_rate_per_s"]) == (verdict.status, verdict.growth_rate)
+    assert found["growth_rate_error_per_s"] == verdict.error
+    assert found["force_record"]["harmonic_numbers"] == []
+    assert found["force_record"]["noise_N"] == record.noise
+    assert (found["amplitude_N"], found["mean_N"]) == (0.0, record.mean)
+
+
+def test_a_sine_that_stands_out_is_no_noise_where_it_is_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["--amplitude", "0", "--noise", "spectrum", "--no-margins", "--modes", "1-3"]
+    lines = checked(capsys, "--damping-rate", "0.3", "--force", str(written(tmp_path, "N")), *asked)
+    assert "above a noise of" in lines["record"]
+
+
 def test_modes_under_harmonics_alone_are_not_called_coupled(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     lines = checked(capsys, "--damping-rate", "0.3", "--force", str(written(tmp_path, "N")), "--no-margins")
     assert "modes" in lines["checked"]

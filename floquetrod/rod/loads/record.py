@@ -23,11 +23,19 @@ from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
-from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, load_number
+from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, Waveform, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_lines import LEAST_LINE, fitted_lines
-from floquetrod.rod.loads.record_period import NoPeriodError, PeriodicFit, even_bands, find, power_spectrum
+from floquetrod.rod.loads.record_period import (
+    RANDOM_ALONE,
+    NoPeriodError,
+    PeriodicFit,
+    even_bands,
+    find,
+    power_spectrum,
+    without_period,
+)
 from floquetrod.tables.arguments import column_argument, delimiter_argument
 from floquetrod.units import Unit
 
@@ -73,7 +81,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         In N, positive in compression.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
         Largest number of harmonics searched for, 20 by default; fewer where the sampling rate or the number of samples
-        allows no more, as ``note`` then says if ``harmonics`` is given.
+        allows no more, as ``note`` then says if ``harmonics`` is given.  With 0 no sine is fitted: all but the mean
+        and a trend is noise, which `noisy_load` takes as a random force.
     frequency : float, optional
         Approximate frequency of the fundamental in rad/s, known to within a tenth or half a period per record; it is
         refined.  By default it is searched for: the strongest frequency of the record is then one of its first ten
@@ -94,7 +103,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     trend_error : float
         Its standard error.
     frequency : float
-        Of the fundamental in rad/s.
+        Of the fundamental in rad/s; 2 pi without harmonics, where no answer depends on it.
     frequency_error : float
         Its standard error.
     harmonics : ndarray of complex
@@ -161,11 +170,14 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     note: str
     force_unit_named: ClassVar[bool] = True
     time_unit_named: ClassVar[bool] = True
+    _may_be_noise: ClassVar[bool] = False  # no harmonic stands out of noise as strong as next to it
 
     def __init__(self, time: Any, force: Any, harmonics: int | None = None, frequency: float | None = None) -> None:
         """Check the samples and fit them."""
-        most = None if harmonics is None else validate.integer("harmonics", harmonics, 1, _MOST_HARMONICS)
+        most = None if harmonics is None else validate.integer("harmonics", harmonics, 0, _MOST_HARMONICS)
         guess = None if frequency is None else load_number("frequency", frequency)
+        if most == 0 and guess is not None:
+            raise validate.wrong_value("frequency", f"goes with a harmonic at least, got {guess!r} with harmonics=0")
         times, forces, missing = _checked(time, force)
         if most is not None and 2 * most + 4 > times.size:
             raise validate.wrong_value(
@@ -174,7 +186,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
                 "two unknowns, mean, trend and frequency one each",
             )
         samples = Samples.of(times, forces)
-        found = find(samples, None if guess is None else guess * samples.half / math.pi, most)
+        periods = None if guess is None else guess * samples.half / math.pi
+        found = without_period(samples) if most == 0 else find(samples, periods, most)
         fit = _in_units(samples, found)
         trend = _trend(fit["trend"], fit["trend_error"], _NEWTON)
         note = _note(trend, found, missing, most)
@@ -183,6 +196,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "_may_be_noise", found.may_be_noise)
         self.given_in(units.GivenUnits.of(force=force)._replace(frequency=_HERTZ))
 
     @classmethod
@@ -248,7 +262,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
                 units.unit(unit, f"{name}_unit", name)
         delimiter = delimiter_argument(delimiter)
         if harmonics is not None:
-            validate.integer("harmonics", harmonics, 1, _MOST_HARMONICS)
+            validate.integer("harmonics", harmonics, 0, _MOST_HARMONICS)
         if frequency is not None:
             load_number("frequency", frequency)
         try:
@@ -287,7 +301,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 
     @property
     def load(self) -> AxialLoad:
-        """The fitted force as a load, the same all along a rod; its harmonics are the waveform."""
+        """The fitted force as a load, the same all along a rod; its harmonics are the waveform, a sine without any."""
         load = AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
         return load.given_in(self.given_units)
 
@@ -360,7 +374,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 
     def _within_errors(self, count: int) -> Iterator[AxialLoad]:
         """Yield loads with numbers drawn about the fitted ones, with twice their standard errors."""
-        random, fit, kept = np.random.default_rng(0), self.load, np.array(self.harmonic_numbers) - 1
+        random, fit, kept = np.random.default_rng(0), self.load, np.flatnonzero(self.harmonics)
         slowest = LOAD["frequency"].least
         for _ in range(count):
             shift = random.standard_normal((kept.size, 2)) @ np.array([1.0, 1j])
@@ -368,8 +382,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             harmonics[kept] += _ERRORS * self.harmonic_errors[kept] * shift
             spread = _ERRORS * self.mean_error, _ERRORS * self.frequency_error
             mean, omega = random.normal((fit.mean, fit.frequency), spread).tolist()
-            waveform = tuple((harmonics[: len(self.waveform)] / self.amplitude).tolist())
-            yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=waveform)
+            shape = tuple((harmonics[: kept[-1] + 1] / self.amplitude).tolist()) if kept.size else fit.waveform
+            yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=shape)
 
     @property
     def noisy_load(self) -> ChangedRecord:
@@ -392,11 +406,13 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     @cached_property
     def amplitude(self) -> float:
         """Half the distance in N between the largest and the smallest value of the fit."""
-        return 0.5 * (self._extreme(1.0) + self._extreme(-1.0))
+        return 0.5 * (self._extreme(1.0) + self._extreme(-1.0)) if self.harmonic_numbers else 0.0
 
     @cached_property
-    def waveform(self) -> tuple[complex, ...]:
-        """The harmonics up to the last one above the noise, over the amplitude."""
+    def waveform(self) -> Waveform:
+        """The harmonics up to the last one above the noise, over the amplitude; "sine" without any."""
+        if not self.harmonic_numbers:
+            return "sine"
         return tuple((self.harmonics[: self.harmonic_numbers[-1]] / self.amplitude).tolist())
 
     def force(self, t: Any) -> Any:
@@ -466,6 +482,13 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 
     def _beside_in_words(self, load: Load, force: Unit, frequency: Unit | None = None) -> str:
         """Return the fit as a sentence, as `in_words`, beside a load that may hold some of the lines."""
+        if not self.harmonic_numbers:
+            duration = float(self.time[-1] - self.time[0])
+            text = (
+                f"force of mean {force.show(self.mean)} with a noise of {force.show(self.noise, 3)} and no sine; "
+                f"{duration:.4g} s, {self.time.size} samples"
+            )
+            return self._with_notes(text, load, force)
         off = self.frequency_error / self.frequency
         digits = min(max(math.ceil(-math.log10(off)) + 1, 3), 8) if off > 0.0 else 8
         often = f"period {self.period:.{digits}g} s +- {self.period * off:.1g} s"
@@ -479,6 +502,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             f"{_harmonics(self.harmonic_numbers)} above a noise of {force.show(self.noise, 3)}{at}; "
             f"{self.periods:.4g} periods, {self.time.size} samples"
         )
+        return self._with_notes(text, load, force)
+
+    def _with_notes(self, text: str, load: Load, force: Unit) -> str:
+        """Return a text on the fit with all that is said about it, beside a load that may hold some of the lines."""
         in_newtons, said = (_trend(self.trend, self.trend_error, each) for each in (_NEWTON, force))
         note = self.note.replace(in_newtons, said) if self.trend else self.note
         named = {"time is in seconds": self.time_unit_named, "force is in newtons": self.force_unit_named}
@@ -488,8 +515,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
 
     @property
     def _strongest(self) -> int:
-        """Number of the strongest harmonic."""
-        return int(np.abs(self.harmonics).argmax()) + 1
+        """Number of the strongest harmonic, 1 without any."""
+        return int(np.abs(self.harmonics).argmax()) + 1 if self.harmonic_numbers else 1
 
     def _moved_in_words(self, frequencies: Sequence[float]) -> list[Message]:
         """Return that other frequencies, a value or the ends of a range in rad/s, move the strongest harmonic.
@@ -539,7 +566,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         return [it + _PULLS] * (self.mean < -_PULLED * self.amplitude)
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers) - 1])
+        return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers, dtype=int) - 1])
 
     def _extreme(self, sign: float) -> float:
         """Return the largest value of the vibration, or of its negative: on a grid, then by Newton's method."""
@@ -666,7 +693,7 @@ def _in_units(samples: Samples, found: PeriodicFit) -> dict[str, Any]:
     frequency = best.omega / samples.half
     harmonics = np.zeros(len(every.numbers), dtype=complex)
     errors = samples.scale * every.sizes()[1]
-    places = np.array(best.numbers) - 1
+    places = np.array(best.numbers, dtype=int) - 1
     harmonics[places] = (
         samples.scale * best.amplitudes * np.exp(-1j * np.array(best.numbers) * (frequency * samples.centre))
     )
@@ -718,5 +745,10 @@ def _note(trend: str, found: PeriodicFit, missing: int, most: int | None) -> str
         parts.append(
             "no harmonic stands above the noise next to it, and the strongest is kept: the force may be random there, "
             "or its frequency wander, by more than its error"
+        )
+    if found.may_be_noise:
+        parts.append(
+            "the harmonics may be chance in a band of noise; if the force is random alone, take the spectrum of all of "
+            f"it: {RANDOM_ALONE}"
         )
     return "; ".join(parts)

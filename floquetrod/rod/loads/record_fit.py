@@ -130,7 +130,7 @@ class Fit(ByContent):
         A harmonic tells about the frequency as the square of its number times its size.
         """
         weights = (np.array(self.numbers) * np.abs(self.amplitudes)) ** 2
-        moved = math.sqrt(float(weights @ factors[1:] ** 2 / weights.sum()))
+        moved = math.sqrt(float(weights @ factors[1:] ** 2 / weights.sum())) if self.numbers else 1.0
         every = np.concatenate([factors[[0, 0]], factors[1:], factors[1:], [moved]])
         return replace(self, covariance=self.covariance * np.outer(every, every))
 
@@ -253,6 +253,20 @@ def fit(
                 return None
         moving = True
     return None
+
+
+def level(samples: Samples, omega: float, *, trend: bool) -> Fit:
+    """Return the fit of a mean, and of a trend where wanted, without harmonics; ``omega`` is taken as exact."""
+    fitted = [0, 1] if trend else [0]
+    basis = np.array([np.ones_like(samples.tau), samples.tau])[fitted]
+    inverse = np.linalg.inv(basis @ basis.T)
+    coefficients, covariance = np.zeros(2), np.zeros((3, 3))
+    coefficients[fitted] = inverse @ (basis @ samples.values)
+    free = samples.tau.size - len(fitted)
+    residual = samples.values - coefficients[fitted] @ basis
+    variance = max(float(residual @ residual) / free, samples.rounding**2)
+    covariance[np.ix_(fitted, fitted)] = variance * inverse
+    return Fit(omega, (), coefficients, covariance, variance * free, free)
 
 
 def freed(samples: Samples, found: Fit) -> tuple[Floats, Floats, Fit, Floats]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
-from floquetrod.rod.loads.record_fit import Fit, Samples, fit, freed
+from floquetrod.rod.loads.record_fit import Fit, Samples, fit, freed, level
 from floquetrod.units import Unit
 
 FALSE_HARMONIC = 0.01
@@ -19,6 +19,9 @@ FALSE_HARMONIC = 0.01
 
 FEWEST_PERIODS = 1.9
 """Periods that a record has at least: two, less the error of the period."""
+
+RANDOM_ALONE = "--amplitude 0 --noise spectrum (Python: harmonics=0, and noisy_load of the record)"
+"""What takes all of a record but its mean as random."""
 
 _NEWTON = Unit("N", 1.0)
 _MOST_HARMONICS = 20  # searched for by default (a choice)
@@ -50,6 +53,7 @@ class PeriodicFit(NamedTuple):
     beyond: tuple[int, ...]  # harmonics above the noise that were not searched for
     factors: Floats  # how many times the noise about 0 and each harmonic kept exceeds its average, in amplitude
     wanders: bool  # no harmonic stands above the noise next to it: the strongest is kept
+    may_be_noise: bool  # so does none in one record of 1000 anywhere, in noise as strong as next to the harmonics
 
 
 def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit:
@@ -74,6 +78,17 @@ def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit
     if best.omega < FEWEST_PERIODS * math.pi:
         raise _too_short(best.omega / math.pi)
     return _kept(samples, best, tried, most)
+
+
+def without_period(samples: Samples) -> PeriodicFit:
+    """Return the fit of a mean and a trend alone, where all the rest is noise; its frequency is 1 Hz."""
+    omega = 2.0 * math.pi * samples.half
+    every = level(samples, omega, trend=True)
+    factors = coloured(every, _left(samples, every))
+    if every.with_noise(factors).trend_chance() >= math.log(_FALSE_TREND):
+        every = level(samples, omega, trend=False)
+        factors = coloured(every, _left(samples, every))
+    return PeriodicFit(every.with_noise(factors), every, (), factors, wanders=False, may_be_noise=False)
 
 
 class NoPeriodError(ValueError):
@@ -117,8 +132,8 @@ def _random_alone(why: str, mean: float, density: float, ends: tuple[float, ...]
     beside = " about that drift" if ends else ""
     return (
         f"shows no period above the noise: {why}{drifts}; record longer, or give its approximate frequency: "
-        "--force-frequency, such as 10Hz (Python: frequency=, in rad/s); where it is random alone"
-        f"{beside}, with one density at all frequencies, give its mean and its density: --mean "
+        f"--force-frequency, such as 10Hz (Python: frequency=, in rad/s); where it is random alone{beside}, take "
+        f"its spectrum: {RANDOM_ALONE}; or, with one density at all frequencies, give its mean and its density: --mean "
         f"{push} --amplitude 0{unit.name} --noise {noise} and any --frequency, such as 1Hz, as no sine acts (Python: "
         f'fr.AxialLoad("{push}", 0, "1Hz", noise="{noise}"))'
     )
@@ -314,6 +329,7 @@ def _kept(samples: Samples, best: Fit, tried: float, most: int) -> PeriodicFit:
         raise _without_period(samples, "noise would have as strong a frequency")
     above = every.log_chances() < least
     wanders = not above.any()
+    may_be_noise = wanders or every.log_chances().min() + math.log(tried) > math.log(_FALSE_PERIOD)
     above[on_average.argmin()] |= wanders
     numbers = tuple(np.array(every.numbers)[above].tolist())
     trend = every.trend_chance() < math.log(_FALSE_TREND)
@@ -329,7 +345,7 @@ def _kept(samples: Samples, best: Fit, tried: float, most: int) -> PeriodicFit:
         further = np.arange(most + 1, int(samples.highest * math.pi / found.omega) + 1)
         power = left.at(further * (found.omega / math.pi))
         beyond = further[power > found.variance * math.log(max(1, further.size) / FALSE_HARMONIC)].tolist()
-    return PeriodicFit(found.with_noise(factors), every, tuple(beyond), factors, wanders)
+    return PeriodicFit(found.with_noise(factors), every, tuple(beyond), factors, wanders, may_be_noise)
 
 
 # --- spectra ---

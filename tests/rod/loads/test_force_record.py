@@ -371,6 +371,43 @@ def test_noise_alone_is_told_how_to_be_given(rng: np.random.Generator, tmp_path:
         assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
 
 
+def test_without_harmonics_all_but_mean_and_trend_is_noise(rng: np.random.Generator) -> None:
+    """Its power is that of the spectrum; a trend is found as with harmonics, and chance makes one in few records."""
+    time, trends = np.arange(4000) * 0.01, 0
+    for slope in (0.0, 0.02) * 10:
+        force = 50.0 + slope * time + 3.0 * rng.standard_normal(time.size)
+        record = fr.ForceRecord(time, force, harmonics=0)
+        line = np.polynomial.polynomial.polyfit(time - time.mean(), force, 1)
+        trends += record.trend != 0.0 if slope == 0.0 else 0
+        level = line if record.trend else [force.mean(), 0.0]
+        assert (record.mean, record.trend) == pytest.approx(tuple(level), rel=1e-9)
+        assert slope == 0.0 or abs(record.trend - slope) < 5.0 * record.trend_error
+        assert abs(record.mean - 50.0 - slope * time.mean()) < 5.0 * record.mean_error
+        left = force - np.polynomial.polynomial.polyval(time - time.mean(), level)
+        assert record.noise == pytest.approx(math.sqrt(left @ left / (time.size - 1 - bool(record.trend))), rel=1e-9)
+        density = np.array(record.noise_spectrum)[:, 1]
+        assert np.mean(density) * 50.0 == pytest.approx(record.noise**2, rel=0.05)
+        load = record.noisy_load.load
+        assert (load.mean, load.amplitude, load.noise) == (record.mean, 0.0, record.noise_spectrum)
+        assert record.load == fr.AxialLoad(record.mean, 0.0, record.frequency)
+        assert record.harmonics.size == 0
+        assert "and no sine; 39.99 s, 4000 samples" in repr(record)
+        assert record.force(1.0) == record.mean
+    assert trends <= 2
+
+
+def test_a_sine_in_a_record_without_harmonics_is_a_line() -> None:
+    """It is warned of, as its power is spread over a band as if it were noise."""
+    rng, time = np.random.default_rng(1), np.arange(4000) * 0.01
+    force = 5.0 + 1.0 * np.sin(2.0 * math.pi * 7.0 * time) + 0.5 * rng.standard_normal(time.size)
+    record = fr.ForceRecord(time, force, harmonics=0)
+    ((amplitude, omega, _),) = record.lines
+    assert amplitude == pytest.approx(1.0, rel=0.1)
+    assert omega == pytest.approx(2.0 * math.pi * 7.0, rel=1e-3)
+    with pytest.warns(fr.PlausibilityWarning, match="as noise its power is spread over a band"):
+        assert record.noisy_load.load.noise
+
+
 def test_a_drift_is_no_part_of_the_noise_that_is_told(rng: np.random.Generator, tmp_path: Path) -> None:
     """Noise of 0.05 lbf at 200 samples a second has 2.5e-5 lbf^2/Hz, whatever the force drifts by."""
     time = np.arange(8000) / 200.0
@@ -379,7 +416,7 @@ def test_a_drift_is_no_part_of_the_noise_that_is_told(rng: np.random.Generator, 
     np.savetxt(path, np.c_[time, force], "%.9g", ",", header="time / s,force / lbf", comments="")
     with pytest.raises(ValueError, match=r"it drifts from 1\.6\d* to 2\.8\d* lbf; .*--mean 2\.\d*lbf") as refused:
         fr.ForceRecord.from_csv(path)
-    density = float(str(refused.value).partition("--noise ")[2].partition("lbf")[0])
+    density = float(str(refused.value).rpartition("--noise ")[2].partition("lbf")[0])
     assert density == pytest.approx(2.5e-5, rel=0.05)
 
 
@@ -414,8 +451,9 @@ TIME, FORCE, *_ = made(np.random.default_rng(3), rate=100)
         ("a", FORCE, {}, "time must be a number with a time unit"),
         (TIME, [[1.0], [2.0, 3.0]], {}, "force must be an array"),
         (np.ma.array(TIME), FORCE, {}, "time must not be a masked array"),
-        (TIME, FORCE, {"harmonics": 0}, "harmonics must be 1 or more"),
+        (TIME, FORCE, {"harmonics": -1}, "harmonics must be 0 or more"),
         (TIME, FORCE, {"harmonics": 2.0}, "harmonics must be an integer"),
+        (TIME, FORCE, {"harmonics": 0, "frequency": 50.0}, "frequency goes with a harmonic at least"),
         (TIME, FORCE, {"frequency": -1.0}, "frequency must be greater than zero"),
         (TIME, FORCE, {"frequency": 1.0}, "frequency must have two periods"),
         (TIME, FORCE, {"frequency": 1e6}, "frequency must lie below half of the sampling rate"),
@@ -554,7 +592,7 @@ def test_columns_are_chosen_by_heading_and_empty_cells_left_out(tmp_path: Path) 
         (b"report\n\nof May\n", {}, "put # before lines without data"),
         (b"t,F\n1,2\n2,3\n", {}, "12 samples or more, got 2"),
         (b"1,2\n", {"delimiter": "ab"}, "delimiter must be one character"),
-        (b"1,2\n", {"harmonics": 0}, "harmonics must be 1 or more"),
+        (b"1,2\n", {"harmonics": -1}, "harmonics must be 0 or more"),
     ],
 )
 def test_files_that_are_no_records_are_refused(content: bytes, options: Any, match: str, tmp_path: Path) -> None:
