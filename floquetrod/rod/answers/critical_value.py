@@ -9,6 +9,8 @@ from floquetrod._util.interchange import plain, with_unit
 from floquetrod.rod.loads.load import LOAD, Quantity
 from floquetrod.units import AnswerUnits, InUnits, Unit
 
+_UNDECIDED = 1e-3  # error of a factor, relative to it, that is no error of a search (a choice)
+
 Searched: TypeAlias = Quantity | Literal["noise"]
 """Quantities that have a critical value."""
 
@@ -29,6 +31,8 @@ class CriticalValue(InUnits, float):
         Value up to which was searched: itself where something grows.
     error : float
         Of the factor of the noise: with ``factor - error`` the verdict is stable, with ``factor + error`` unstable.
+        Where noise in a narrow band leaves verdicts above the factor undecided the error reaches to one that is
+        unstable, infinite where none was found; those below the factor are stable all the same.
     mode : int or None
         Mode that grows beyond the factor of the noise; None where all high modes or coupled ones do.
     """
@@ -65,8 +69,13 @@ class CriticalValue(InUnits, float):
         else:
             size = f"critical {name} {unit.show(float(self), 9)}"
             if self.quantity == "noise":
-                mode = "" if self.mode is None else f", where mode {self.mode} begins to grow"
-                size += f", to {self.error:.1g}{mode}"
+                is_sharp = self.error <= _UNDECIDED * self
+                grows = "begins to grow" if is_sharp else "may begin to grow"
+                mode = "" if self.mode is None else f", where mode {self.mode} {grows}"
+                size += f", to {self.error:.1g}{mode}" if is_sharp else mode
+                if not is_sharp:
+                    end = f"up to {float(self) + self.error:.3g} times" if math.isfinite(self.error) else "beyond"
+                    size += f"; verdicts are undecided {end}"
         missed = f"unstable bands narrower than {unit.show(self.resolution, 2)} may have been missed"
         return f"<{size}; {missed}>" if self.resolution else f"<{size}>"
 

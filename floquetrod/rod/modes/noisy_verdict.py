@@ -43,6 +43,8 @@ _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a 
 NEAREST = 1e-10  # of verdicts on both sides of a critical factor, relative (a choice)
 _MOST_AGAIN = 64  # modes that a batch leaves undecided, judged one by one in some milliseconds each (a choice)
 _MOST_DECISIVE = 256  # modes that a verdict next to a critical factor may need: a closer one would take long (a choice)
+_UNEVEN = 1e-3  # of a factor, above which verdicts that are undecided are those of uneven noise (a choice)
+_STEPS_UP, _STEP_UP = 80, 1.1  # of a factor in search of one at which the verdict is unstable (a choice)
 _PARTS = 2  # of a search for a critical factor that are to come, at least
 
 
@@ -511,16 +513,63 @@ class _FactorSearch:
                 factor *= 4.0
                 self.told(_PARTS)
                 if factor > farthest:
-                    return CriticalValue(math.inf, "noise", searched=0.25 * factor, error=math.inf)
+                    searched = 0.25 * factor
+                    return self.within_unevenness(math.inf, None, searched) or CriticalValue(
+                        math.inf, "noise", searched=searched, error=math.inf
+                    )
         while (faster := self.fastest(factor)) is not None and faster != mode:
             before, mode = factor, faster
             factor = self.root(faster, before)
             self.told(_PARTS)
             if not factor < before * (1.0 - 1e-13):  # two modes begin to grow together
                 break
-        error = self.error(factor, mode)
+        uneven = self.within_unevenness(factor, mode, factor)
+        if uneven is None:
+            uneven = CriticalValue(factor, "noise", error=self.error(factor, mode), mode=mode)
         self.told(0)
-        return CriticalValue(factor, "noise", error=error, mode=mode)
+        return uneven
+
+    def within_unevenness(self, factor: float, mode: int | None, searched: float) -> CriticalValue | None:
+        """Return the largest factor at which noise that is uneven about twice a mode's frequency leaves all stable.
+
+        ``factor`` is that of white noise, where ``mode`` begins to grow.  The error reaches to a factor at which the
+        verdict is unstable, infinite where none was found.  None where such verdicts change as under white noise.
+        """
+        # The largest density with which noise may act on a mode grows with the factor, as does the band that acts
+        # together: the growth that it may make rises, and bisection finds where it passes the tolerance.
+        loads = Loads((1,), *Loads.single(self.load).flat)
+
+        def may_grow(trial: float) -> _Strongest | None:
+            strongest = _with_most_noise(self.modes(trial), loads, self.tolerance, None)
+            return strongest if strongest.growth[0] > self.tolerance else None
+
+        def is_unstable(trial: float) -> bool:
+            return int(self.model.under(self.scaled(trial)).status(loads, self.tolerance)[0]) == UNSTABLE
+
+        if not isinstance(self.load.noise, tuple):
+            return None
+        low = high = searched * (1.0 - 4.0 * NEAREST)
+        grown = may_grow(high)
+        is_early = grown is not None
+        if grown is None and (math.isinf(factor) or is_unstable(factor * (1.0 + _UNEVEN))):
+            return None
+        while grown is not None and may_grow(low) is not None:
+            low, high = 0.25 * low, low
+        while is_early and high > low * (1.0 + NEAREST):
+            middle = math.sqrt(low * high)
+            if (found := may_grow(middle)) is None:
+                low = middle
+            else:
+                high, grown = middle, found
+        above = factor * (1.0 + _UNEVEN)
+        for _ in range(_STEPS_UP):
+            if math.isinf(above) or is_unstable(above):
+                break
+            above *= _STEP_UP
+        else:
+            above = math.inf
+        number = mode if grown is None else int(grown.mode[0])
+        return CriticalValue(low, "noise", error=above - low, mode=number)
 
     def fastest(self, factor: float) -> int | None:
         """Return the mode that grows fastest beyond the tolerance, None where none does."""

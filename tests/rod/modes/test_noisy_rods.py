@@ -244,6 +244,28 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
         separated += 1
 
 
+@pytest.mark.parametrize("width", [0.1, 1.0, 3.0])
+def test_the_critical_noise_of_a_narrow_band_is_where_verdicts_are_no_longer_stable(width: float) -> None:
+    """Above it they are undecided, up to its error, which is infinite where none is unstable."""
+    density = [(20.0 - width, 0.0), (20.0 - 0.5 * width, 1e-3), (20.0 + 0.5 * width, 1e-3), (20.0 + width, 0.0)]
+    rod, band = ROD.replace(damping_rate=0.3), fr.AxialLoad(0.3 * FCR, 0.0, 150.0, noise=tuple(density))
+    found = rod.critical("noise", band)
+    assert found.mode == 6
+
+    def status(factor: float) -> str:
+        return rod.stability(replace(band, noise=scaled_noise(band.noise, factor))).status
+
+    assert [status(share * found) for share in (0.3, 0.99, 1.0 - 1e-6)] == 3 * ["stable"]
+    assert [status(share * found) for share in (1.0 + 1e-6, 1.0005)] == 2 * ["undecided"]
+    assert "undecided" in repr(found)
+    assert "may begin to grow" in repr(found)
+    if math.isinf(found.error):
+        assert status(100.0 * found) == "undecided"
+    else:
+        assert status(found + found.error) == "unstable"
+        assert found.error < 0.2 * found
+
+
 def test_growth_that_no_method_finds_lies_between_its_bounds() -> None:
     strong = ROD.stability(load(5e4), modes=[128])
     assert strong.mode_verdicts[0].exponents == ()
