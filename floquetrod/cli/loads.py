@@ -91,7 +91,7 @@ def _add_kind(command: argparse.ArgumentParser, subsystem: Subsystem) -> None:
         command.add_argument(
             f"--{name}-column",
             metavar="HEADING",
-            help=f"heading or number, from 0, of the column of {name} (default: {heading})",
+            help=f"heading, with its unit or without, or number, from 0, of the column of {name} (default: {heading})",
         )
         command.add_argument(
             f"--{name}-unit", metavar="UNIT", help=f"unit of {name}, such as {examples} (default: that of its heading)"

@@ -219,7 +219,7 @@ def aligned_spans(given: Sequence[tuple[int, int, str]], base: Sequence[tuple[in
 
 
 def place_of(wanted: Wanted, headings: Sequence[str] | None, many: int) -> int:
-    """Return the place of a column: its number, its heading in its own case or in any, or by usual headings."""
+    """Return the place of a column: its number, its heading, with its unit or without, or by usual headings."""
     name, column = wanted.name, wanted.column
     if isinstance(column, int):
         if column >= many:
@@ -228,7 +228,7 @@ def place_of(wanted: Wanted, headings: Sequence[str] | None, many: int) -> int:
     if isinstance(column, str) and headings is None:
         raise validate.wrong_value(name, f"must be the number of a column, got {column!r}: there are no headings")
     listed = headings or ()
-    places = wanted.places(listed) if column is None else headed(column.strip(), listed)
+    places = wanted.places(listed) if column is None else headed(column.strip(), listed, wanted.kind)
     if len(places) != 1:
         raise validate.wrong_value(name, not_one(wanted, places, headings, many))
     return places[0]
@@ -247,10 +247,12 @@ def not_one(wanted: Wanted, matches: Sequence[int], headings: Sequence[str] | No
     return Message(choose, *by, listed)
 
 
-def headed(heading: str, listed: Sequence[str]) -> list[int]:
-    """Return the places of a heading, in its own case or in any."""
-    places = [i for i, text in enumerate(listed) if text == heading]
-    return places or [i for i, text in enumerate(listed) if text.casefold() == heading.casefold()]
+def headed(heading: str, listed: Sequence[str], kind: str) -> list[int]:
+    """Return the places of a heading: in its own case, in any, or without the unit of a kind that is listed with it."""
+    names = listed, [text.casefold() for text in listed], [units.heading(text, kind)[0].casefold() for text in listed]
+    sought = heading, heading.casefold(), heading.casefold()
+    found = ([i for i, text in enumerate(each) if text == name] for each, name in zip(names, sought, strict=True))
+    return next(filter(None, found), [])
 
 
 def best(headings: Sequence[str], rank: Callable[[str], int | None]) -> list[int]:

@@ -88,7 +88,9 @@ def read_columns(
 
 
 def _wanted(name: str, column: str | int | None, unit: str | None) -> Wanted:
-    return Wanted(name, name, column, unit, lambda listed: _places(name, listed), lambda text: _parts(text, name)[1])
+    return Wanted(
+        name, name, column, unit, lambda listed: _places(name, listed, unit), lambda text: _parts(text, name)[1]
+    )
 
 
 def _head(lines: Sequence[Line], delimiter: str | None, wanted: Sequence[Wanted]) -> tuple[Head, list[Row]]:
@@ -124,12 +126,19 @@ def _is_sample(row: Row) -> bool:
     return len(row.cells) > 1 and all(is_value(plain(cell, "")) for cell in row.cells)
 
 
-def _places(name: str, headings: Sequence[str]) -> list[int]:
-    """Return the places of usual headings; of two columns with other headings the first is time."""
+def _places(name: str, headings: Sequence[str], unit: str | None) -> list[int]:
+    """Return the places of usual headings; of two columns with other headings the first is time.
+
+    Of two columns of which one is the other quantity, this one is known by its unit, in the heading or given.
+    """
     places = best(headings, lambda text: _rank(name, text))
-    if not places and len(headings) == 2 and not any(_rank(each, text) for each in _USUAL for text in headings):
+    if places or len(headings) != 2:
+        return places
+    known = [place for place, text in enumerate(headings) if any(_rank(each, text) for each in _USUAL)]
+    if not known:
         return [list(_USUAL).index(name)]
-    return places
+    left = [place for place in range(2) if place not in known]
+    return [place for place in left if unit or units.is_unit(_parts(headings[place], name)[1] or "", name)]
 
 
 def _are_usual(columns: Sequence[Column]) -> bool:

@@ -842,3 +842,39 @@ def test_a_heading_that_is_not_there_is_told_with_those_that_are(preamble: str, 
     with pytest.raises(ValueError, match="force must be a heading of one column, got 'Force'; the headings are 'Date"):
         fr.ForceRecord.from_csv(path, force="Force")
     assert right(fr.ForceRecord.from_csv(path, "date/time", "Push"))
+
+
+def _written(path: Path, heading: str, row: str = "{t},{f}") -> Path:
+    path.write_text("\n".join([heading, *(row.format(t=t, f=f) for t, f in pairs())]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("force", ["WOB", "wob", " Wob ", "WOB [N]", "wob [n]"])
+def test_a_column_is_named_with_its_unit_or_without(force: str, tmp_path: Path) -> None:
+    path = _written(tmp_path / "force.csv", "Stamp [s],Torque [N],WOB [N]", "{t},0.5,{f}")
+    assert right(fr.ForceRecord.from_csv(path, time="stamp", force=force))
+
+
+def test_a_name_of_several_columns_is_refused_with_these(tmp_path: Path) -> None:
+    path = _written(tmp_path / "force.csv", "Time [s],WOB [kN],WOB [N]", "{t},0.5,{f}")
+    with pytest.raises(ValueError, match=r"force must be a heading .* got 'WOB': 'WOB \[kN\]', 'WOB \[N\]'; choose"):
+        fr.ForceRecord.from_csv(path, force="WOB")
+    assert right(fr.ForceRecord.from_csv(path, force="WOB [N]"))
+
+
+def test_of_two_columns_the_one_that_is_not_time_is_force_by_its_unit(tmp_path: Path) -> None:
+    path = _written(tmp_path / "force.csv", "Time [s],WOB [N]")
+    assert right(fr.ForceRecord.from_csv(path))
+    _written(path, "WOB [N],Time [s]", "{f},{t}")
+    assert right(fr.ForceRecord.from_csv(path))
+    _written(path, "Stamp [s],Force [N]")
+    assert right(fr.ForceRecord.from_csv(path))
+    _written(path, "Time [s],WOB\ns,N")
+    assert right(fr.ForceRecord.from_csv(path))
+    _written(path, "Time [s],WOB")
+    with pytest.raises(ValueError, match="force must be a heading of one column, and none of them says force; the"):
+        fr.ForceRecord.from_csv(path)
+    assert right(fr.ForceRecord.from_csv(path, force_unit="N"))
+    _written(path, "Time [s],Torque [N m]")
+    with pytest.raises(ValueError, match="none of them says force"):
+        fr.ForceRecord.from_csv(path)
