@@ -43,8 +43,10 @@ _LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
 def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRecord | None:
     """Return the measured force in the file ``force``, None without any.
 
-    Without a harmonic where none stands out and ``given`` asks for its noise alone.  Raises ValueError where it cannot
-    be read, and for what says how to read it without a file.
+    Without a harmonic where none stands out and ``given`` asks for its noise alone; else fitted together with the sine
+    near the frequency of ``second``, where it holds one, whose amplitude and phase, if given, are for `read_kind`.
+    Raises ValueError where it cannot be read, where ``second`` is a frequency alone near which it holds no sine, and
+    for what says how to read it without a file.
     """
     if given["force"] is None:
         for name in RECORD_OPTIONS:
@@ -60,8 +62,10 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
 
     wanted = "a text file with columns of time and force"
     require_file(named("force"), Path(given["force"]), wanted)
+    text = given.get("second")  # which not every subsystem knows
+    sine = {} if text is None else _second_sine(text, named, True)
 
-    def read(harmonics: int | None = None) -> ForceRecord:
+    def read_with(second: float | None, harmonics: int | None) -> ForceRecord:
         return ForceRecord.from_csv(
             given["force"],
             *columns,
@@ -69,7 +73,17 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
             force_unit=given["force_unit"],
             frequency=given["force_frequency"],
             harmonics=harmonics,
+            second=second,
         )
+
+    def read(harmonics: int | None = None) -> ForceRecord:
+        try:
+            return read_with(sine.get("frequency"), harmonics)
+        except ValueError as error:
+            about = argument_of(error)
+            if "amplitude" not in sine or about is None or about.name != "second":
+                raise
+            return read_with(None, harmonics)  # the sine typed is one that was not measured
 
     try:
         if not _is_noise_alone(given):
@@ -85,7 +99,7 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
         about = argument_of(error)
         is_of_options = about is not None and about.name in _OF_COLUMNS
         message = about.named(named(_OF_COLUMNS[about.name])) if about is not None and is_of_options else str(error)
-        if is_of_options and about is not None and (not about.where or about.name == "frequency"):
+        if is_of_options and about is not None and (not about.where or about.name in ("frequency", "second")):
             raise ValueError(message) from None
         raise ValueError(f"{named('force')} must be {wanted}: {message}") from None
 
@@ -107,6 +121,7 @@ _OF_COLUMNS = {
     "time_unit": "time_unit",
     "force_unit": "force_unit",
     "frequency": "force_frequency",
+    "second": "second",
 }
 """Names of the arguments of `floquetrod.ForceRecord.from_csv`."""
 
@@ -163,10 +178,13 @@ def read_kind(
     noise, second = given.get("noise"), given.get("second")  # which not every subsystem knows
     if noise is not None:
         load = replace(load, noise=_noise(noise, record, named))
+    typed = units.GivenUnits()
     if second is not None:
-        load = replace(load, second=_second_sine(second, named("second")))
-    amplitude, _, frequency = (second or "").partition("@")
-    typed = units.GivenUnits.of(force=amplitude, frequency=frequency.partition("@")[0])
+        sine = _second_sine(second, named, record is not None)
+        if "amplitude" in sine:  # else the sine is the record's
+            load = replace(load, second=tuple(sine.values()))
+        texts_of = dict(zip(sine, second.split("@"), strict=True))
+        typed = units.GivenUnits.of(force=texts_of.get("amplitude"), frequency=texts_of["frequency"])
     known = template.given_units.or_else(typed)
     if wave is None:
         return load.given_in(known)
@@ -176,13 +194,21 @@ def read_kind(
     return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate).given_in(known)
 
 
-def _second_sine(text: str, name: str) -> Any:
-    """Return amplitude, frequency and perhaps a phase of a text such as 0.1N@37Hz or 0.1N@37Hz@90deg."""
-    parts = text.split("@")
+def _second_sine(text: str, named: ArgumentName, is_beside_record: bool) -> dict[str, float]:
+    """Return amplitude, frequency and perhaps phase of a text such as 0.1N@37Hz or 0.1N@37Hz@90deg.
+
+    Beside a record the frequency may be alone.
+    """
+    name, parts = named("second"), text.split("@")
+    kinds = {"amplitude": "force", "frequency": "frequency", "phase": "angle"}
+    if is_beside_record and len(parts) == 1 and units.kind_of(units.unit_of(text.strip()) or "") in (None, "frequency"):
+        return {"frequency": units.quantity(text, name, "frequency")}
     if len(parts) not in (2, 3):
-        raise ValueError(f"{name} must be such as 0.1N@37Hz or, with a phase, 0.1N@37Hz@90deg, got {short(text)}")
-    kinds = ("force", "frequency", "angle")
-    return tuple(units.quantity(part, name, unit) for part, unit in zip(parts, kinds, strict=False))
+        raise ValueError(
+            f"{name} must be such as 0.1N@37Hz or, with a phase, 0.1N@37Hz@90deg, or, beside {named('force')}, the "
+            f"frequency alone of a sine that was measured, such as 37Hz; got {short(text)}"
+        )
+    return {each: units.quantity(part, name, kinds[each]) for each, part in zip(kinds, parts, strict=False)}
 
 
 def _noise(text: str, record: ForceRecord | None, named: ArgumentName) -> Any:

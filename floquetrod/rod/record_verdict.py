@@ -26,6 +26,10 @@ NOISE_OF_SENSOR = (
 )
 """What a verdict on the fit of a record, without noise on the rod, takes the noise for."""
 
+_NOISE_BESIDE_SECOND = (
+    "noise taken as an error of the sensor; what a random force does beside a second sine is not known"
+)
+
 _NAMES = {code: name for name, code in STATUS_CODES.items()}
 
 
@@ -84,7 +88,7 @@ def record_verdict(
     elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + (verdict.error if fit.noise else 0.0):
         doubts.append("the noise in the record makes the growth rate too uncertain")
     if not fit.noise:
-        note = f"{note}; {NOISE_OF_SENSOR}"
+        note = f"{note}; {NOISE_OF_SENSOR if fit.second is None else _NOISE_BESIDE_SECOND}"
     trials_of_others = [
         *(_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines),
         *_with_means(model, record, chosen, growth_tolerance, code),
@@ -143,7 +147,7 @@ def _with_line(
         note = f"the sine {sine} beside the fit may change the verdict: what it does to this rod and load is not known"
         return _Trial(*unknown, note, doubt, True)
     said = f"with the sine {sine} that the record holds beside the fit: {_in_words(verdict)}"
-    note = f"{said}; --second {sine} (Python: second=) tells more"
+    note = f"{said}; --second {sine.partition('@')[2]} (Python: second= of the record) tells more"
     return _Trial(STATUS_CODES[verdict.status], verdict.growth_rate, note, said, True)
 
 
@@ -180,9 +184,13 @@ def _with_means(
 def _with_residual(
     model: ModeModel, record: LoadSource, modes: Sequence[int] | None, tolerance: float
 ) -> Iterator[_Trial]:
-    """Yield the verdict with the residual of the fit as a random force, where it is too uneven for a sensor's noise."""
-    if not record._is_uneven or record.lines or record.load.second is not None:
+    """Yield the verdict with the residual of the fit as a random force, where it is too uneven for a sensor's noise.
+
+    Beside a second sine, where noise is not known, that of the random force and the first sine alone, unless stable.
+    """
+    if not record._is_uneven or record.lines:
         return
+    without = "" if record.load.second is None else ", without the second sine,"
     noisy, rod = record._with_residual(), cast("Any", model.rod)
     try:
         under = rod._modes_under(noisy.load)
@@ -191,7 +199,9 @@ def _with_residual(
             verdict = record_verdict(under, noisy, modes, tolerance, None)
     except ValueError:  # not known along a wave, say
         return
-    said = f"with what the fit leaves as a random force the rod is in mean square {_in_words(verdict)}"
+    if without and verdict.status == "stable":  # which says nothing about both sines
+        return
+    said = f"with what the fit leaves as a random force{without} the rod is in mean square {_in_words(verdict)}"
     if verdict.status == "undecided":
         said = "what the fit leaves may, as a random force, make the rod unstable in mean square"
     note = f"{said}; its spectrum is too uneven for the noise of a sensor"

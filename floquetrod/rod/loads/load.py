@@ -111,7 +111,9 @@ LOAD = by_name(
         known_to=frozenset({"modes", "stress"}),
         option=Option(
             "a second sine of another frequency, that of a second tool, such as 0.1N@37Hz, or 0.1N@37Hz@90deg with a "
-            "phase; verdicts then need a growth tolerance or damping",
+            "phase; beside --force its frequency alone, such as 37Hz, takes the rest from the record; a sine that was "
+            "measured is fitted together with the record, and an amplitude typed replaces the measured one; verdicts "
+            "then need a growth tolerance or damping",
             "FORCE@FREQUENCY",
         ),
     ),

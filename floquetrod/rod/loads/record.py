@@ -25,8 +25,8 @@ from floquetrod._util.interchange import by_keys
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, Second, Waveform, load_number
 from floquetrod.rod.loads.record_file import read_columns
-from floquetrod.rod.loads.record_fit import Samples, series
-from floquetrod.rod.loads.record_lines import LEAST_LINE, fitted_lines
+from floquetrod.rod.loads.record_fit import Fit, Samples, series
+from floquetrod.rod.loads.record_lines import LEAST_LINE, TwoSines, fit_with_second, fitted_lines
 from floquetrod.rod.loads.record_period import (
     RANDOM_ALONE,
     NoPeriodError,
@@ -52,6 +52,7 @@ _PULLS = (
 )
 _APART, _SAME = 1.0, 0.01  # frequencies that the record tells apart, and of a frequency: a second sine is a line's
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
+_IN_PYTHON = "(Python: second= of the record)"
 
 
 class Band(NamedTuple):
@@ -87,6 +88,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         Approximate frequency of the fundamental in rad/s, known to within a tenth or half a period per record; it is
         refined.  By default it is searched for: the strongest frequency of the record is then one of its first ten
         harmonics.
+    second : float, optional
+        Approximate frequency in rad/s of a sine that the record holds beside the fit, as `lines` of a record without
+        this argument names it, known to within a hundredth or a period per record.  It is fitted together with mean,
+        trend and harmonics and is the second sine of `load`; `noise` and all errors are those of what both leave.
 
     Attributes
     ----------
@@ -112,6 +117,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         Standard errors of their sizes in N.
     noise : float
         Root mean square in N of the residual of the fit.
+    second : tuple of float or None
+        The second sine fitted: amplitude in N, frequency in rad/s, phase in rad at time 0; None where not asked for.
+    second_errors : tuple of float or None
+        Standard errors of its amplitude in N and of its frequency in rad/s.
     note : str
         Harmonics and samples left out, limits, and where the noise is not white.
     force_unit_named : bool
@@ -167,17 +176,29 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     harmonics: NDArray[np.complex128]
     harmonic_errors: NDArray[np.float64]
     noise: float
+    second: Second | None
+    second_errors: tuple[float, float] | None
     note: str
     force_unit_named: ClassVar[bool] = True
     time_unit_named: ClassVar[bool] = True
     _may_be_noise: ClassVar[bool] = False  # no harmonic stands out of noise as strong as next to it
 
-    def __init__(self, time: Any, force: Any, harmonics: int | None = None, frequency: float | None = None) -> None:
+    def __init__(
+        self,
+        time: Any,
+        force: Any,
+        harmonics: int | None = None,
+        frequency: float | None = None,
+        second: float | None = None,
+    ) -> None:
         """Check the samples and fit them."""
         most = None if harmonics is None else validate.integer("harmonics", harmonics, 0, _MOST_HARMONICS)
         guess = None if frequency is None else load_number("frequency", frequency)
         if most == 0 and guess is not None:
             raise validate.wrong_value("frequency", f"goes with a harmonic at least, got {guess!r} with harmonics=0")
+        near = None if second is None else load_number("frequency", second, "second")
+        if most == 0 and near is not None:
+            raise validate.wrong_value("second", f"goes with a harmonic at least, got {near!r} with harmonics=0")
         times, forces, missing = _checked(time, force)
         if most is not None and 2 * most + 4 > times.size:
             raise validate.wrong_value(
@@ -188,10 +209,12 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         samples = Samples.of(times, forces)
         periods = None if guess is None else guess * samples.half / math.pi
         found = without_period(samples) if most == 0 else find(samples, periods, most)
+        beside = None if near is None else _two_sines(samples, found, near, most)
+        found = found if beside is None else beside.found
         fit = _in_units(samples, found)
         trend = _trend(fit["trend"], fit["trend_error"], _NEWTON)
         note = _note(trend, found, missing, most)
-        values = {"time": times, "samples": forces, **fit, "note": note}
+        values = {"time": times, "samples": forces, **fit, **_second_in_units(samples, beside), "note": note}
         for name, value in values.items():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
@@ -211,6 +234,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         delimiter: str | None = None,
         harmonics: int | None = None,
         frequency: float | None = None,
+        second: float | None = None,
     ) -> Self:
         """Read a record from a text file of columns; lines that begin with # are comments.
 
@@ -226,11 +250,12 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             numbers in quotes may have commas between thousands.  The first line may hold headings, with units in the
             line below; up to 200 other lines may precede them.
         time : str or int, optional
-            Heading of the column of times, or its number from 0.  By default the one headed time, t, timestamp,
-            elapsed or alike; of two columns with other headings or none, the first.
+            Heading of the column of times, with its unit or without, or its number from 0.  By default the one headed
+            time, t, timestamp, elapsed or alike; of two columns with other headings or none, the first.
         force : str or int, optional
-            Heading of the column of forces, or its number from 0.  By default the one headed force, f or
-            load, or with such a word; of two columns with other headings or none, the second.
+            Heading of the column of forces, likewise, or its number from 0.  By default the one headed force, f or
+            load, or with such a word; of two columns with other headings or none, the second; of two of which the
+            other is the time, the one with a unit of force in its heading or with ``force_unit``.
         time_unit : str, optional
             Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", else s.
         force_unit : str, optional
@@ -243,6 +268,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         harmonics : int, optional
             As for `ForceRecord`.
         frequency : float, optional
+            In rad/s, as for `ForceRecord`.
+        second : float, optional
             In rad/s, as for `ForceRecord`.
 
         Returns
@@ -265,18 +292,20 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             validate.integer("harmonics", harmonics, 0, _MOST_HARMONICS)
         if frequency is not None:
             load_number("frequency", frequency)
+        if second is not None:
+            load_number("frequency", second, "second")
         try:
             found = read_columns(path, *wanted, time_unit, force_unit, delimiter)
         except (OSError, ValueError) as error:
             raise error_in(f"force record {path}", error) from None
         try:
-            record = cls(found.time, found.force, harmonics, frequency)
+            record = cls(found.time, found.force, harmonics, frequency, second)
         except NoPeriodError as error:
             shown = units.unit(found.force_unit or "N", "", "force")
             said = str(error) if error.problem is None else f"force {error.problem(shown)}"
             raise NoPeriodError(f"force record {path}: {said}") from None
         except ValueError as error:
-            if (about := argument_of(error)) is not None and about.name == "frequency":
+            if (about := argument_of(error)) is not None and about.name in ("frequency", "second"):
                 raise error_in(f"force record {path}", error) from None
             # About the samples, not about which columns hold them.
             raise ValueError(f"force record {path}: {error}") from None
@@ -302,7 +331,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     @property
     def load(self) -> AxialLoad:
         """The fitted force as a load, the same all along a rod; its harmonics are the waveform, a sine without any."""
-        load = AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
+        load = AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform, second=self.second)
         return load.given_in(self.given_units)
 
     @cached_property
@@ -339,18 +368,15 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         samples = Samples.of(self.time, self.samples)
         residual = self._residual(samples) / samples.scale
         harmonics = np.array(self.harmonic_numbers) * (self.frequency * samples.half)
-        sines = []
-        for line in fitted_lines(samples, residual, harmonics, LEAST_LINE * self.amplitude / samples.scale):
-            # Re c exp(i omega tau) = abs(c) sin(omega tau + arg c + pi / 2), with tau from the middle of the record.
-            (c,), omega = line.amplitudes.tolist(), line.omega / samples.half
-            phase = (cmath.phase(c) + 0.5 * math.pi - omega * samples.centre) % (2.0 * math.pi)
-            sines.append((abs(c) * samples.scale, omega, phase))
-        return tuple(sines)
+        if self.second is not None:
+            harmonics = np.append(harmonics, self.second[1] * samples.half)
+        found = fitted_lines(samples, residual, harmonics, LEAST_LINE * self.amplitude / samples.scale)
+        return tuple(_sine(samples, line) for line in found)
 
     def _residual(self, samples: Samples) -> NDArray[np.float64]:
         """Return the samples less the fit, in N."""
         level = self.samples - self.mean - self.trend * (self.time - samples.centre)
-        residual: NDArray[np.float64] = level - self._vibration(self.frequency * self.time)
+        residual: NDArray[np.float64] = level - self._sines(self.time)
         return residual
 
     @property
@@ -370,7 +396,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def _line_in_words(self, line: Second) -> str:
         """Return a line as ``--second`` takes it, in the unit of the record."""
         unit = self._force_unit
-        return f"{unit.of(line[0]):.4g}{unit.name}@{line[1] / (2.0 * math.pi):.6g}Hz"
+        return f"{unit.of(line[0]):.4g}{unit.name}@{_hertz_of(line)}"
 
     def _within_errors(self, count: int) -> Iterator[AxialLoad]:
         """Yield loads with numbers drawn about the fitted ones, with twice their standard errors."""
@@ -383,7 +409,13 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             spread = _ERRORS * self.mean_error, _ERRORS * self.frequency_error
             mean, omega = random.normal((fit.mean, fit.frequency), spread).tolist()
             shape = tuple((harmonics[: kept[-1] + 1] / self.amplitude).tolist()) if kept.size else fit.waveform
-            yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=shape)
+            second = self.second
+            if second is not None and self.second_errors is not None:
+                off, moved = (_ERRORS * error for error in self.second_errors)
+                c = second[0] + off * complex(*random.standard_normal(2).tolist())
+                at = max(second[1] + moved * random.standard_normal(), slowest)
+                second = abs(c), at, second[2] + cmath.phase(c)
+            yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=shape, second=second)
 
     @property
     def noisy_load(self) -> ChangedRecord:
@@ -393,6 +425,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         the record itself in place of a load the noise only makes the verdict uncertain.  Warns of `lines`, whose power
         a spectrum spreads over a band as if they were noise.
         """
+        if self.second is not None:
+            raise validate.wrong_value(
+                "noisy_load", "goes without a second sine; read the record without second= (terminal: --second)"
+            )
         noisy = self._with_residual()
         for said in self._lines_in_words("the record", noisy.load):
             warnings.warn(Message(said, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
@@ -416,7 +452,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         return tuple((self.harmonics[: self.harmonic_numbers[-1]] / self.amplitude).tolist())
 
     def force(self, t: Any) -> Any:
-        """Return the fitted force, mean and harmonics, in N at times in s, in their shape.
+        """Return the fitted force, mean, harmonics and any second sine, in N at times in s, in their shape.
 
         Returns
         -------
@@ -429,7 +465,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             For times that are not finite, and for other units.
         """
         times = units.array("t", t, "time", -_LATEST, _LATEST)
-        values = self.mean + self._vibration(self.frequency * times)
+        values = self.mean + self._sines(times)
         return shaped(np.asarray(values), times.shape)
 
     def plot(self, ax: Any = None) -> Any:
@@ -458,7 +494,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         """
         samples = Samples.of(self.time, self.samples)
         left = self._residual(samples)
-        record = power_spectrum(samples, left + self._vibration(self.frequency * self.time))
+        record = power_spectrum(samples, left + self._sines(self.time))
         residual = power_spectrum(samples, left)
         frequency: NDArray[Any] = record.step * np.arange(1, record.power.size + 1) / (2.0 * samples.half)
         whole, rest = (2.0 * np.sqrt(found.power / self.time.size) for found in (record, residual))
@@ -502,6 +538,11 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             f"{_harmonics(self.harmonic_numbers)} above a noise of {force.show(self.noise, 3)}{at}; "
             f"{self.periods:.4g} periods, {self.time.size} samples"
         )
+        if self.second is not None and self.second_errors is not None:
+            text += (
+                f"; fitted together with a second sine of {force.show(self.second[0], 4)} +- "
+                f"{force.show(self.second_errors[0], 1)} at {hertz.show(self.second[1])}"
+            )
         return self._with_notes(text, load, force)
 
     def _with_notes(self, text: str, load: Load, force: Unit) -> str:
@@ -551,8 +592,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             return []
         sines = " and ".join(map(self._line_in_words, lines))
         many = "sines, or noise in narrow bands," if len(lines) > 1 else "a sine, or noise in a narrow band,"
-        what = "--second adds one (Python: second=)"
-        if load.noise:
+        what = f"--second {_hertz_of(lines[0])} fits {'one' if lines[1:] else 'it'} together with the rest {_IN_PYTHON}"
+        if load.second is not None:
+            what = "a load has one second sine"
+        elif load.noise:
             what = "as noise its power is spread over a band, which may hide that it makes the rod unstable"
         return [f"{it} holds {many} beside the fit: {sines}; {what}"]
 
@@ -564,6 +607,15 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def _pull_in_words(self, it: str) -> list[str]:
         """Return that the force pulls on average, of ``it``, where it does so by a tenth of its amplitude or more."""
         return [it + _PULLS] * (self.mean < -_PULLED * self.amplitude)
+
+    def _sines(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the harmonics and any second sine, in N at times in s."""
+        vibration = self._vibration(self.frequency * times)
+        if self.second is None:
+            return vibration
+        amplitude, frequency, phase = self.second
+        vibration += amplitude * np.sin(frequency * times + phase)
+        return vibration
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers, dtype=int) - 1])
@@ -633,8 +685,8 @@ class ChangedRecord(LoadSource):
 
 
 def _with_noise(noise: tuple[tuple[float, float], ...], fit: Load) -> Load:
-    """Return a load with noise."""
-    return replace(fit, noise=noise).given_in(fit.given_units)
+    """Return a load with noise in place of any second sine, beside which noise is not known."""
+    return replace(fit, noise=noise, second=None).given_in(fit.given_units)
 
 
 def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
@@ -710,6 +762,50 @@ def _in_units(samples: Samples, found: PeriodicFit) -> dict[str, Any]:
         "harmonic_errors": errors,
         "noise": float(samples.scale * math.sqrt(best.variance)),
     }
+
+
+def _two_sines(samples: Samples, found: PeriodicFit, near: float, most: int | None) -> TwoSines:
+    """Return the joint fit with the line of the residual whose frequency is near one in rad/s; else ValueError."""
+    residual = samples.values - found.fit.values(samples.tau)
+    harmonics = found.fit.omega * np.array(found.fit.numbers)
+    lines = fitted_lines(samples, residual, harmonics, 0.0)
+    off = [abs(line.omega / samples.half - near) for line in lines]
+    place = int(np.argmin(off)) if off else 0
+    if not off or off[place] > max(_APART * math.pi / samples.half, _SAME * near):
+        held = " and ".join(f"{line.omega / samples.half / (2.0 * math.pi):.6g}" for line in lines)
+        base = found.fit.omega / samples.half / (2.0 * math.pi)
+        beside = f"it holds {held} Hz" if lines else "it holds none above the noise"
+        raise validate.wrong_value(
+            "second",
+            f"must be the frequency of a sine that the record holds beside its fit, whose fundamental is {base:.6g} "
+            f"Hz: {beside}, got {near / (2.0 * math.pi):.6g} Hz",
+        )
+    joint = fit_with_second(samples, found, lines[place], most)
+    if joint is None:
+        raise validate.wrong_value("second", "cannot be fitted: the fit of both sines does not settle")
+    return joint
+
+
+def _second_in_units(samples: Samples, joint: TwoSines | None) -> dict[str, Any]:
+    """Return the second sine and its errors in N and rad/s, None without one."""
+    if joint is None:
+        return {"second": None, "second_errors": None}
+    off, moved = joint.second.sizes()[1].item(), joint.second.frequency_error
+    errors = float(samples.scale * off), float(moved / samples.half)
+    return {"second": _sine(samples, joint.second), "second_errors": errors}
+
+
+def _sine(samples: Samples, line: Fit) -> Second:
+    """Return a fit of one harmonic as amplitude in N, frequency in rad/s and phase in rad at time 0."""
+    # Re c exp(i omega tau) = abs(c) sin(omega tau + arg c + pi / 2), with tau from the middle of the record.
+    (c,), omega = line.amplitudes.tolist(), line.omega / samples.half
+    phase = (cmath.phase(c) + 0.5 * math.pi - omega * samples.centre) % (2.0 * math.pi)
+    return float(abs(c) * samples.scale), float(omega), float(phase)
+
+
+def _hertz_of(line: Second) -> str:
+    """Return the frequency of a line in words."""
+    return f"{line[1] / (2.0 * math.pi):.6g}{_HERTZ}"
 
 
 def _trend(trend: float, error: float, force: Unit) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from floquetrod._util.arrays import Floats
-from floquetrod.rod.loads.record_fit import Fit, Samples, fit
-from floquetrod.rod.loads.record_period import Spectrum, power_spectrum
+from floquetrod.rod.loads.record_fit import Fit, Samples, fit, series
+from floquetrod.rod.loads.record_period import PeriodicFit, Spectrum, coloured, power_spectrum, refine
 
 LEAST_LINE = 0.01
 """Amplitude of a line over that of the fit, from which it is kept (a choice)."""
@@ -21,6 +22,8 @@ _ABOUT = (8.0, 32.0)  # frequencies that the record tells apart on either side o
 _OWN = 3.0  # of them about the line itself, over which its power leaks
 _FEWEST = 4.0  # of them, from which the level of the noise is known (a choice)
 _LEVEL_ERROR = 3.0  # standard errors by which that level may be underestimated (a choice)
+_TURNS = 30  # of the fit of two frequencies at most; two to five are usual
+_SETTLED = 1e-4  # change of the second sine in a turn, in its standard errors (a choice)
 
 
 def fitted_lines(samples: Samples, residual: Floats, harmonics: Floats, least: float) -> list[Fit]:
@@ -46,6 +49,53 @@ def fitted_lines(samples: Samples, residual: Floats, harmonics: Floats, least: f
         found.append(line)
         left = replace(left, values=left.values - line.values(samples.tau))
     return sorted(found, key=lambda line: -abs(line.amplitudes[0]))
+
+
+class TwoSines(NamedTuple):
+    """The joint fit of a periodic force and of a second sine, with the errors of both."""
+
+    found: PeriodicFit
+    second: Fit  # its mean is 0
+
+
+def fit_with_second(samples: Samples, found: PeriodicFit, line: Fit, most: int | None) -> TwoSines | None:
+    """Return the joint fit of mean, trend, harmonics and a second sine, None where it does not settle.
+
+    ``line`` is the sine fitted to the residual of ``found``.
+    """
+    # Least squares of f(tau) + Re c exp(i w_2 tau), f the mean, trend and harmonics, by turns: f is fitted to the
+    # samples less the sine, the sine to the samples less f.  Where neither moves any more the residual is orthogonal
+    # to the derivatives by all unknowns, as in one fit of all.  A turn shrinks the distance to it by cos^2 of the angle
+    # between the derivatives of both.  At four frequencies that the record tells apart or more, as for every line,
+    # that is a few hundredths at most, and so is what the covariance of both leaves out of the errors of each.
+    tau, scale = samples.tau, 1.0
+    for _ in range(_TURNS):
+        sine = series(line.omega * tau, (1,), line.amplitudes)
+        new = refine(replace(samples, values=samples.values - sine), found, most)
+        if new is None:
+            return None
+        found = new
+        left = samples.values - found.fit.values(tau)
+        moved = fit(replace(samples, values=left), line.omega, (1,), trend=False)
+        if moved is None:
+            return None
+        scale = moved.sizes()[1].item()
+        step = abs((moved.amplitudes - line.amplitudes).item()) / scale
+        line, turned = moved, abs(moved.omega - line.omega) / moved.frequency_error
+        if max(step, turned) <= _SETTLED:
+            break
+    else:
+        return None
+    # The residual of all: its degrees of freedom are fewer by the three unknowns of the second sine.
+    free = found.fit.free - 3
+    if free < 1:
+        return None
+    variance = found.fit.squares / free
+    first = replace(found.fit, covariance=found.fit.covariance * (variance / found.fit.variance), free=free)
+    residual = left - series(line.omega * tau, (1,), line.amplitudes)
+    line = replace(line, covariance=line.covariance * (variance / line.variance), squares=found.fit.squares, free=free)
+    line = line.with_noise(coloured(line, power_spectrum(samples, residual)))
+    return TwoSines(found._replace(fit=first), line)
 
 
 def _strongest(power: Spectrum, harmonics: Floats, known: list[float]) -> int | None:

@@ -91,6 +91,15 @@ def without_period(samples: Samples) -> PeriodicFit:
     return PeriodicFit(every.with_noise(factors), every, (), factors, wanders=False, may_be_noise=False)
 
 
+def refine(samples: Samples, found: PeriodicFit, most: int | None) -> PeriodicFit | None:
+    """Return the fit of samples that differ from those of ``found`` by a sine that is no harmonic.
+
+    Which harmonics stand above the noise is tested again.  None where the fit does not settle.
+    """
+    best = fit(samples, found.fit.omega, found.every.numbers, precision=_COARSE)
+    return None if best is None else _kept(samples, best, 1.0, _MOST_HARMONICS if most is None else most)
+
+
 class NoPeriodError(ValueError):
     """Samples show no period, or not two; ``problem`` says the first in a unit of force."""
 

@@ -6,9 +6,11 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 import floquetrod as fr
@@ -177,3 +179,112 @@ def test_the_terminal_warns_of_it_and_takes_the_words_back(
     answered = capsys.readouterr()
     assert answered.out.startswith("UNSTABLE: mode 7 grows")
     assert "beside the fit" not in answered.err
+
+
+def two_sines(hertz: float, duration: float, **options: Any) -> fr.ForceRecord:
+    """Return a record of 1.22, 0.35 and 0.25 lbf, the last at a frequency, fitted with options."""
+    t = np.arange(0.0, duration, 1.0 / 800.0)
+    force = 1.22 + 0.35 * np.sin(2.0 * math.pi * 24.3 * t + 0.3) + 0.25 * np.sin(2.0 * math.pi * hertz * t + 1.0)
+    return fr.ForceRecord(t, POUND * (force + 0.01 * np.random.default_rng(8).standard_normal(t.size)), **options)
+
+
+def test_both_sines_are_fitted_as_by_a_general_least_squares_solver() -> None:
+    """At 5.4 frequencies that the record tells apart, where each draws the fit of the other alone to itself."""
+    joint = two_sines(21.6, 2.0, harmonics=1, second="21.7Hz")
+    assert joint.second is not None
+    assert joint.second_errors is not None
+    t, force = joint.time, joint.samples
+
+    def misfit(u: np.ndarray) -> np.ndarray:
+        return u[0] + u[1] * np.sin(u[2] * t + u[3]) + u[4] * np.sin(u[5] * t + u[6]) - force
+
+    true = [1.22 * POUND, 0.35 * POUND, 2.0 * math.pi * 24.3, 0.3, 0.25 * POUND, 2.0 * math.pi * 21.6, 1.0]
+    found = least_squares(misfit, true, xtol=1e-15, ftol=1e-15, gtol=1e-15, x_scale="jac")
+    variance = 2.0 * found.cost / (t.size - 7)
+    errors = np.sqrt(variance * np.linalg.inv(found.jac.T @ found.jac).diagonal())
+    assert joint.trend == 0.0
+    mine = np.array([joint.mean, joint.amplitude, joint.frequency, joint.second[0], joint.second[1], joint.second[2]])
+    at = [0, 1, 2, 4, 5, 6]
+    assert np.abs((mine - found.x[at]) / errors[at]).max() < 2e-3
+    assert joint.noise == pytest.approx(math.sqrt(variance), rel=1e-6)
+    stated = joint.mean_error, joint.harmonic_errors[0], joint.frequency_error, *joint.second_errors
+    np.testing.assert_allclose(stated, errors[[0, 1, 2, 4, 5]], rtol=0.05)  # cos^2 of the angle between both: 0.02
+    assert joint.lines == ()
+    alone = two_sines(21.6, 2.0, harmonics=1)
+    assert alone.noise > 10.0 * joint.noise
+    np.testing.assert_allclose(joint.force(t), force, atol=5.0 * joint.noise)
+    assert f"second sine of {joint.second[0]:.4g} N" in repr(joint)
+
+
+def test_a_harmonic_below_the_second_sine_is_found_beside_it() -> None:
+    t = np.arange(0.0, 6.0, 1.0 / 800.0)
+    force = np.sin(152.0 * t) + 0.01 * np.cos(304.0 * t) + 0.8 * np.sin(100.0 * t)
+    force += 3.0 + 0.03 * np.random.default_rng(2).standard_normal(t.size)
+    assert fr.ForceRecord(t, force).harmonic_numbers == (1,)
+    assert fr.ForceRecord(t, force, second=100.0).harmonic_numbers == (1, 2)
+
+
+@pytest.mark.parametrize("hertz", [24.3, 48.6, 20.0])
+def test_a_second_frequency_that_was_not_measured_is_refused(hertz: float) -> None:
+    with pytest.raises(ValueError, match=r"second must be the frequency of a sine .* it holds 17\.2\d* Hz, got"):
+        two_sines(17.22, 2.0, second=2.0 * math.pi * hertz)
+
+
+def test_the_second_sine_of_a_record_is_no_noise_of_the_first() -> None:
+    """The errors of a verdict are those of the joint fit, with the sine of the record and with one that was typed."""
+    rod, typed = ROD.replace(damping_rate=1.15), (0.25 * POUND, 2.0 * math.pi * 17.22)
+    true = fr.AxialLoad(1.22 * POUND, 0.35 * POUND, 2.0 * math.pi * 24.3, second=typed)
+    assert rod.stability(true, modes=[7]).status == "stable"
+    joint = two_sines(17.22, 2.0, second="17.2Hz")
+    for source in (joint, ChangedRecord(joint, lambda fit: replace(fit, second=typed))):
+        verdict = rod.stability(source, modes=[7])
+        assert verdict.status == "stable"
+        assert verdict.left_out == ""
+        assert "--noise" not in verdict.note  # which is refused beside a second sine
+    alone = ChangedRecord(two_sines(17.22, 2.0), lambda fit: replace(fit, second=typed))
+    assert rod.stability(alone, modes=[7]).status == "undecided"
+    drawn = list(joint._within_errors(200))
+    for place, error in enumerate(joint.second_errors or ()):
+        assert np.std([load.second[place] for load in drawn]) == pytest.approx(2.0 * error, rel=0.2)
+    with pytest.raises(ValueError, match="goes without a second sine"):
+        _ = joint.noisy_load
+
+
+def test_uneven_noise_beside_both_sines_is_not_passed_over() -> None:
+    """A force that makes the rod unstable in mean square leaves it undecided with a second sine as without."""
+    rod = fr.Rod(youngs_modulus="30Mpsi", density="490lb/ft3", diameter="2in", wall_thickness="0.156in", length="200ft",
+                 channel_diameter="4.778in", fluid_inside="8.5ppg", fluid_outside="8.5ppg",
+                 damping_rate=0.15)  # fmt: skip
+    t, rng = np.arange(12000) / 200.0, np.random.default_rng(3)
+    at = np.fft.rfftfreq(t.size, 1.0 / 200.0)
+    hump = np.fft.irfft((np.abs(at - 8.1) < 0.75) * np.exp(2j * math.pi * rng.random(at.size)))
+    sines = 300.0 * np.sin(2.0 * math.pi * 7.5 * t) + 60.0 * np.sin(2.0 * math.pi * 4.3033 * t)
+    force = POUND * (1350.0 + sines + 200.0 * hump / hump.std() + 8.0 * rng.standard_normal(t.size))
+    measured = fr.ForceRecord(t, force, frequency="7.5Hz", second="4.3033Hz")
+    assert not measured.lines
+    verdict = rod.stability(measured, modes=range(12, 17))
+    assert verdict.status == "undecided"
+    assert "as a random force, without the second sine, the rod is in mean square unstable" in verdict.undecided_by
+
+
+def test_the_terminal_fits_both_and_replaces_what_is_typed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    joint = two_sines(17.22, 6.0, second="17.22Hz")
+    columns = np.column_stack([joint.time, joint.samples / POUND])
+    np.savetxt("log.csv", columns, "%.6f", ",", header="time (s),load (lbf)", comments="")
+    ask = ["check", "--rod", "nitinol", "--damping-rate", "9", "--force", "log.csv", "--no-margins", "--modes", "1"]
+    said = {}
+    for second in ("17.2Hz", "0.3lbf@17.2Hz", "0.3lbf@31Hz"):
+        assert main([*ask, "--second", second]) in (0, 1)
+        said[second] = capsys.readouterr()
+    assert re.search(r"a second sine of 0\.2[45]\d* lbf at 17\.2[12]\d* Hz of phase", said["17.2Hz"].out)
+    assert "second sine of 0.3 lbf at 17.2 Hz" in said["0.3lbf@17.2Hz"].out
+    assert "second sine of 0.3 lbf at 31 Hz" in said["0.3lbf@31Hz"].out
+    assert ["beside the fit" in each.err for each in said.values()] == [False, False, True]
+    for second, match in (("31Hz", "--second must be the frequency of a sine"), ("3lbf", "--second must be such as")):
+        assert main([*ask, "--second", second]) == 2
+        assert match in capsys.readouterr().err
+    assert main([*ask, "--second", "17.2Hz", "--noise", "spectrum"]) == 2
+    assert "goes without noise" in capsys.readouterr().err
