@@ -131,6 +131,8 @@ def grid_of(system: HillSystem, highest: float, finer: int = 1) -> Grid:
         length = float(piece.length)
         fastest = max(rate, len(piece.harmonics) * 2.0 * math.pi / period)
         count = finer * math.ceil(length * fastest / _PHASE)
+        if len(begins) + count > _MOST_ROWS:
+            raise _too_many(len(begins) + count)
         begins += [length * k / count for k in range(count)]
         lengths += [length / count] * count
         places += [j] * count
@@ -141,10 +143,14 @@ def require_rows(grid: Grid, degree: int, order: int) -> None:
     """Raise ValueError where matrices would be too large."""
     rows = len(grid.pieces) * degree * order
     if rows > _MOST_ROWS:
-        raise ValueError(
-            f"below must be lower, or the potential flatter: its waves need matrices of {rows:,} rows, "
-            f"at most {_MOST_ROWS:,} are taken"
-        )
+        raise _too_many(rows)
+
+
+def _too_many(rows: int) -> ValueError:
+    return ValueError(
+        f"below must be lower, or the potential flatter: its waves need matrices of {rows:,} rows and more, "
+        f"at most {_MOST_ROWS:,} are taken"
+    )
 
 
 def least_potential(potential: Floats, mass: Floats) -> float:

@@ -673,6 +673,31 @@ def test_arrays_that_broadcast_beyond_memory_are_refused() -> None:
     assert fr.mathieu.is_stable(np.empty((0, 10**9)), 0.3).shape == (0, 10**9)
 
 
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: fr.Rod.nitinol().replace(sections=range(10**30)), "sections must be 1,000 at most"),
+        (lambda: fr.Rod.nitinol().replace(natural_shape=tree(30)), "natural_shape must be"),
+        (lambda: fr.bands(fr.Meissner(alpha=2.0, beta=0.0), below=2.0**63), "below must be lower"),
+        (
+            lambda: fr.DelaySystem.first_order_from_samples(
+                np.linspace(0.0, 1.0, 8, endpoint=False), np.zeros((8, 1, 1)), period=1.0, delayed=[(0.5, tree(30))]
+            ),
+            r"delayed\[0\]\[1\]",
+        ),
+        (lambda: fr.periodic_orbit(circling(), ([0.0, 1.0], tree(30))), "start must"),
+    ],
+)
+def test_what_would_take_ages_to_be_counted_is_refused_at_once(call: Callable[[], Any], name: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=rf"^{name}"):
+        call()
+
+
+def circling() -> fr.NonlinearSystem:
+    """Return an oscillator of two equations."""
+    return fr.NonlinearSystem(lambda t, y: [y[1], -y[0]])
+
+
 @pytest.mark.parametrize("names", ["speeds", "noises"])
 @pytest.mark.parametrize("junk", [[Raising()], tree(30)])
 def test_pairs_that_raise_or_hold_one_list_a_billion_times_are_refused(names: str, junk: Any) -> None:

@@ -87,7 +87,7 @@ class NaturalShape:
         try:
             if isinstance(given, Mapping):
                 return cls._of_mapping(dict(given))
-            if isinstance(given, list | tuple | np.ndarray) and np.ndim(np.asarray(given, dtype=object)) == 1:
+            if isinstance(given, list | tuple | np.ndarray) and _is_flat(given):
                 return cls(deflection=_deflections(given))
         except (TypeError, ValueError) as error:
             raise error_in("natural_shape", error) from None
@@ -197,6 +197,11 @@ class NaturalShape:
         k, correlated = numbers * math.pi / length, self.correlation_length
         density = math.sqrt(math.tau) * correlated * self.rms**2 * np.exp(-0.5 * (k * correlated) ** 2)
         return numbers, np.sqrt(2.0 * density / length)
+
+
+def _is_flat(values: Any) -> bool:
+    """Return whether the elements are no lists, without going through those that are."""
+    return values.ndim == 1 if isinstance(values, np.ndarray) else not any(isinstance(v, list | tuple) for v in values)
 
 
 def _length(name: str, value: Any) -> float:
