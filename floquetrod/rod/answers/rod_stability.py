@@ -120,9 +120,9 @@ class RodStability(Reported, Verdict):
     of the fastest solution, within the tolerance or not; the exponents belong to the modes examined, or, of more than
     60 coupled ones, to those that may resonate.  Where modes are independent ``error`` is the largest error of a
     discriminant; where they are coupled the error of the growth rate in 1/s, from the multipliers and, estimated, from
-    the modes left out.  Of independent modes under noise it is the error of the growth rate in 1/s, with a bound on all other modes;
-    under two frequencies the largest error of a mode's growth rate in 1/s, or that of coupled modes, and "stable" means
-    no more than that nothing grows faster than the tolerance.
+    the modes left out.  Of independent modes under noise it is the error of the growth rate in 1/s, with a bound on all
+    other modes; under two frequencies the largest error of a mode's growth rate in 1/s, or that of coupled modes, and
+    "stable" means no more than that nothing grows faster than the tolerance.
 
     Attributes
     ----------
