@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -125,6 +126,8 @@ def _require_quantities(options: argparse.Namespace) -> None:
     missing = [f"--{name}" for name in QUANTITIES if getattr(options, name) is None]
     if missing:
         push = "; --mean is the constant push, 0 for a rod only shaken" if "--mean" in missing else ""
+        if missing == ["--frequency"] and re.fullmatch(r"[+-]?0*\.?0*\s*[A-Za-z]*", str(options.amplitude)):
+            push = "; with --amplitude 0 any will do, such as --frequency 1Hz"
         see = f"(see floquetrod {options.command} --help){push}"
         raise ValueError(f"the following arguments are required: {', '.join(missing)} {see}")
 

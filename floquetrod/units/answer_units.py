@@ -168,12 +168,15 @@ class AnswerUnits(NamedTuple):
 
     @property
     def per_length(self) -> Unit:
-        """Of forces per length, in N, lbf or kgf, since kN and klbf are for the force on a whole string.
+        """Of forces per length, in N or kgf, since kN is for the force on a whole string; in lbf beside feet.
 
         >>> AnswerUnits.named(force="klbf", length="ft").per_length.name
         'lbf/ft'
+        >>> AnswerUnits.named(force="kN", length="ft").per_length.name
+        'lbf/ft'
         """
-        return unit(_PER_LENGTH.get(self.force.name, self.force.name), "", "force").per(self.length)
+        name = "lbf" if self._has_feet else _PER_LENGTH.get(self.force.name, self.force.name)
+        return unit(name, "", "force").per(self.length)
 
     @property
     def mass_per_length(self) -> Unit:
@@ -182,8 +185,9 @@ class AnswerUnits(NamedTuple):
 
     @property
     def rigidity(self) -> Unit:
-        """Of flexural rigidities."""
-        return Unit(f"{self.force.name} {self.length.name}^2", self.force.size * self.length.size**2)
+        """Of flexural rigidities, beside feet in pounds."""
+        force = unit("lbf", "", "force") if self._has_feet and self.force.name not in _POUNDS else self.force
+        return Unit(f"{force.name} {self.length.name}^2", force.size * self.length.size**2)
 
     @property
     def _has_feet(self) -> bool:

@@ -428,6 +428,9 @@ def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None
     assert "the following arguments are required: --mean, --frequency (see floquetrod ranges --help)" in refused(
         capsys, "ranges", "--rod", WIRE, "--amplitude", "0:1Fcr"
     )
+    for amplitude, helps in (("0", True), ("0.0lbf", True), ("0.3N", False)):
+        constant = refused(capsys, "check", "--rod", WIRE, "--mean", "0.5Fcr", "--amplitude", amplitude)
+        assert ("any will do, such as --frequency 1Hz" in constant) == helps
     assert "must be a range" in refused(capsys, "ranges", "--rod", WIRE, "--force", record)
     system = str(ROOT / "floquetrod/examples/system.toml")
     for option in (["--wave", "held"], ["--mean-at", "0"], ["--force", record], ["--margins"], ["--out", "x.png"]):
