@@ -13,6 +13,7 @@ from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second
+from floquetrod.rod.loads.record_period import SAMPLES_OF_ALL_BANDS
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.units import AnswerUnits
 
@@ -25,6 +26,9 @@ NOISE_OF_SENSOR = (
     "noise taken as an error of the sensor; if the force itself is random: --noise spectrum (Python: record.noisy_load)"
 )
 """What a verdict on the fit of a record, without noise on the rod, takes the noise for."""
+
+_LONGER = "a longer record has smaller errors"
+_LONGER_NOISE = f"{_LONGER}, of the densities of its noise beyond {SAMPLES_OF_ALL_BANDS:,} samples"
 
 _NOISE_BESIDE_SECOND = (
     "noise taken as an error of the sensor; what a random force does beside a second sine is not known"
@@ -83,7 +87,7 @@ def record_verdict(
     doubts = []
     if others:
         counted = f"the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
-        note = "; ".join(filter(None, [note, counted]))
+        note = "; ".join(filter(None, [note, counted, _LONGER_NOISE if fit.noise else _LONGER]))
         doubts.append("forces within the errors of the fit have another verdict")
     elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + (verdict.error if fit.noise else 0.0):
         doubts.append("the noise in the record makes the growth rate too uncertain")

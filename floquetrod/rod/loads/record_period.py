@@ -41,6 +41,9 @@ _COARSE = 0.05  # error of a frequency that is refined later, relative to its st
 _KNOWN = 0.1  # radians at the ends of a record that the frequency leaves open in its highest harmonic (a choice)
 _MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second
 _BANDS, _IN_A_BAND = 512, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
+SAMPLES_OF_ALL_BANDS = 2 * _BANDS * _IN_A_BAND
+"""Samples of a record beyond which more of them make the densities of its noise more certain, not their bands finer."""
+
 _UNEVEN_BAND = 0.01  # chance that even noise divides any band (a choice)
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 

@@ -396,6 +396,19 @@ def test_without_harmonics_all_but_mean_and_trend_is_noise(rng: np.random.Genera
     assert trends <= 2
 
 
+def test_densities_grow_more_certain_beyond_so_many_samples(rng: np.random.Generator) -> None:
+    """Which a verdict names that the errors of densities leave undecided: below, bands grow finer instead."""
+    scatter, bands = [], []
+    for share in (0.25, 1.0, 4.0):
+        time = np.arange(int(share * record_period.SAMPLES_OF_ALL_BANDS)) * 0.01
+        record = fr.ForceRecord(time, 5.0 + rng.standard_normal(time.size), harmonics=0)
+        density = np.array(record.noise_spectrum)[:, 1]
+        scatter.append(density.std() / density.mean())
+        bands.append(density.size)
+    assert scatter == pytest.approx([0.25, 0.25, 0.125], rel=0.2)
+    assert bands[1:] == pytest.approx([4 * bands[0], 4 * bands[0]], rel=0.05)
+
+
 def test_a_sine_in_a_record_without_harmonics_is_a_line() -> None:
     """It is warned of, as its power is spread over a band as if it were noise."""
     rng, time = np.random.default_rng(1), np.arange(4000) * 0.01
