@@ -49,10 +49,16 @@ def _failing(rng: np.random.Generator) -> tuple[Callable[[], None], str]:
     """Return a function that makes disks of this process fail, and its description."""
     if rng.random() < 0.5:
         size = int(2 ** rng.uniform(6.0, 15.0))
-        return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)), f"files of at most {size} bytes"
+        return lambda: limit_files(size), f"files of at most {size} bytes"
     place, share = str(rng.choice(PLACES)), float(rng.choice([0.3, 1.0]))
     seed = int(rng.integers(2**31))
     return lambda: break_os(place, share, np.random.default_rng(seed)), f"os.{place} fails {share:.0%} of the time"
+
+
+def limit_files(size: int) -> None:
+    """Let this process write no file beyond so many bytes, and no bytecode, which Python leaves cut off there."""
+    sys.dont_write_bytecode = True
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
 
 def break_os(place: str, share: float, rng: np.random.Generator) -> None:
