@@ -12,7 +12,7 @@ import numpy as np
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second
+from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second, noise_in_words
 from floquetrod.rod.loads.record_period import SAMPLES_OF_ALL_BANDS
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.units import AnswerUnits
@@ -20,6 +20,7 @@ from floquetrod.units import AnswerUnits
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
+_EVEN = 3.0  # largest and mean density of noise, and mean and least, are less than this apart if it is even (a choice)
 _MEANS = 65  # mean forces tried between both ends of a record that drifts (a choice)
 
 NOISE_OF_SENSOR = (
@@ -73,10 +74,11 @@ def record_verdict(
     _, fit_growth = _status_and_growth(model, fit, chosen, growth_tolerance)
     if math.isnan(fit_growth):
         fit_growth = verdict.growth_rate
-    changes, others = [], 0
+    changes, others, fastest = [], 0, 0.0
     for done, load in enumerate(record._within_errors(NOISE_DRAWS), start=1):
         status, growth = _status_and_growth(model, load, chosen, growth_tolerance)
-        others += status != code
+        if status != code:
+            others, fastest = others + 1, max(fastest, growth)
         changes.append(growth - fit_growth)
         if draw_progress is not None:
             draw_progress(done, NOISE_DRAWS)
@@ -87,7 +89,10 @@ def record_verdict(
     doubts = []
     if others:
         counted = f"the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
-        note = "; ".join(filter(None, [note, counted, _LONGER_NOISE if fit.noise else _LONGER]))
+        if verdict.status == "stable" and fastest > growth_tolerance:
+            counted = f"{counted}, under which the rod grows at up to {fastest:.2g} 1/s"
+        remedies = [_LONGER_NOISE, _one_density(fit)] if fit.noise else [_LONGER]
+        note = "; ".join(filter(None, [note, counted, *remedies]))
         doubts.append("forces within the errors of the fit have another verdict")
     elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + (verdict.error if fit.noise else 0.0):
         doubts.append("the noise in the record makes the growth rate too uncertain")
@@ -216,6 +221,25 @@ def _in_words(verdict: RodStability) -> str:
     """Return status and growth."""
     rate = f", {verdict.growth_rate:.3g} 1/s" if verdict.growth_rate > 0.0 else ""
     return f"{verdict.status}{rate}"
+
+
+def _one_density(load: Load) -> str:
+    """Return how to give noise of a spectrum that is even by its mean density, "" for an uneven or a single one.
+
+    A mean of all bands has a smaller error than each.
+    """
+    if not isinstance(load.noise, tuple):
+        return ""
+    hertz, densities = np.array(load.noise).T
+    mean = float(np.trapezoid(densities, hertz)) / float(hertz[-1] - hertz[0]) if hertz.size > 1 else math.nan
+    if not (densities.max() < _EVEN * mean < _EVEN**2 * densities.min()):
+        return ""
+    unit = AnswerUnits.named(given=load.given_units).force.name
+    text = noise_in_words(mean, unit).removeprefix("noise of ").replace(" ", "")
+    return (
+        "where the random force is known to have one density at all frequencies, give that: "
+        f'--noise {text} (Python: noise="{text}" of the load)'
+    )
 
 
 def _status_and_growth(

@@ -518,7 +518,9 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
                     band.required_damping,
                 )
                 where = f"{at:.6g}" if full else f"{at:.4g}"
-                texts = (" to ".join(ends), "unstable", growth, where, _rounded_up(damping), _end(band.cause))
+                seen = band.worst_growth > 0.0
+                status, cause = ("unstable", _end(band.cause)) if seen else ("undecided", "no mode is seen to grow")
+                texts = (" to ".join(ends), status, growth, where, _rounded_up(damping), cause)
                 rows.append((band.low, texts))
         for part in self.intervals if full else ():
             between = f"{shown.of(part.low):.9g} to {shown.of(part.high):.9g}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -194,3 +195,29 @@ def test_the_modes_named_are_those_whose_own_equations_grow() -> None:
         if rates:
             assert verdict.fastest_mode == max(rates, key=rates.__getitem__)
     assert seen >= 0.2 * count
+
+
+def random_alone(shape: slice) -> fr.ForceRecord:
+    """Return a record of a random force with one density at the frequencies of a slice, of 4001."""
+    shares = np.zeros(4001)
+    shares[shape] = 1.0
+    waves = np.fft.rfft(np.random.default_rng(3).standard_normal(8000)) * shares
+    return fr.ForceRecord(np.arange(8000) * 0.005, 0.3 * FCR + 0.27 * np.fft.irfft(waves), harmonics=0)
+
+
+def test_a_verdict_that_densities_leave_undecided_names_the_growth_and_the_mean_of_even_ones() -> None:
+    rod = ROD.replace(damping_rate=1.0)
+    record = random_alone(slice(None))
+    verdict = rod.stability(record.noisy_load)
+    assert verdict.status == "undecided"
+    grows = re.search(r"forces within its errors are not, under which the rod grows at up to (\S+) 1/s;", verdict.note)
+    assert grows is not None
+    drawn = (rod.stability(load).growth_rate for load in record.noisy_load._within_errors(20))
+    assert float(grows[1]) == pytest.approx(max(drawn), rel=0.05)
+    density = re.search(r'\(Python: noise="(.*)" of the load\)', verdict.note)
+    assert density is not None
+    assert rod.stability(replace(record.load, noise=density[1])).status == "stable"
+    assert replace(record.load, noise=density[1]).noise == pytest.approx(2.0 * 0.005 * 0.27**2, rel=0.05)
+    uneven = rod.stability(random_alone(slice(2000)).noisy_load)
+    assert "within its errors are not, under which the rod grows" in uneven.note
+    assert "one density" not in uneven.note
