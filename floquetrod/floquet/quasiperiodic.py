@@ -6,7 +6,8 @@ p / q the maps repeat after q periods.  Growth depends smoothly on the fraction 
 p / q - phi through the last fractions, at 0, is the answer, and its change from one fraction to the next the error.
 Next to an edge growth is no smooth function of the fraction, and the error says so.  A tongue about phi that no
 fraction meets is narrower than their distance from phi, and so is the growth in it: where no approximant grows, the
-error is w_1 abs(p / q - phi).
+error is w_1 abs(p / q - phi).  Where that leaves a verdict open the norms of products of a few maps, at all phases,
+bound growth from above: beside damping a weak second frequency is harmless, however near the ratio is to a fraction.
 
 Maps over the phase are a Fourier series, from maps at equally spaced phases: all fractions share it.
 
@@ -47,6 +48,8 @@ _SEVERAL = 4  # equations, from which waves of few matrices are found (a choice)
 _LAGS = 9.5  # products of a power of a series, on average
 _WORTH = 0.7  # of the work, at most, that is done where they share it (a choice)
 _SECONDS_PER_PRODUCT = 1.5e-7  # in a period, for each unit of the fastest rate (measured)
+_PHASES, _PERIODS = 64, 64  # of the second frequency, and of the first, at which growth is bounded (a choice)
+_AT_ONCE = 2048  # problems whose growth is bounded together, some 10 MB of maps (a choice)
 _FLAT = 1e-6  # logarithm of a multiplier up to which an approximant does not grow: the root of the rounding (a choice)
 
 
@@ -58,8 +61,9 @@ class QuasiperiodicGrowth(NamedTuple):
     rate : float
         Largest rate of growth per unit of time, the Lyapunov exponent; negative where solutions decay.
     error : float
-        Estimate: twice the change from one fraction to the next, and the error of the exponents; 0 where every
-        solution keeps its norm.
+        Estimate: twice the change from one fraction to the next, and the error of the exponents; half the distance of
+        two bounds of the growth where these decide that it is below the tolerance; 0 where every solution keeps its
+        norm.
     tolerance : float
         Growth per unit of time up to which it counts as none.
     approximants : tuple of (Fraction, float)
@@ -260,6 +264,11 @@ def growth_of_many(
         enough = error[here] < _SHARE * np.maximum(np.abs(rate[here]), tolerance[here]) if precise else True
         decided = np.abs(rate[here] - tolerance[here]) > error[here]
         left[here] &= ~((k >= _DEGREE) & decided & enough & (counted[here, : k + 1].sum(axis=1) > _DEGREE))
+    unsure = np.flatnonzero((rate <= tolerance) & (rate + error > tolerance))
+    low, high = _growth_bounds(series, map_errors, unsure, (ratio, first, tolerance), precise)
+    low, high = np.fmax(low, rate[unsure] - error[unsure]), np.fmin(high, rate[unsure] + error[unsure])
+    within = high < tolerance[unsure]
+    rate[unsure[within]], error[unsure[within]] = 0.5 * (low + high)[within], 0.5 * (high - low)[within]
     return ManyGrowths(rate, error, tolerance, [f[:n] for f, n in zip(fractions, used, strict=True)], values)
 
 
@@ -469,6 +478,67 @@ def _logarithms(
             logarithms[members] = np.where(known, np.log(radius) + taken, np.nan)
             relative[members] = errors[places[members]] * np.exp(stretch - logarithms[members])
     return logarithms, relative
+
+
+def _growth_bounds(
+    series: Sequence[Complexes],
+    errors: Floats,
+    places: NDArray[np.intp],
+    problem: tuple[Floats, Floats, Floats],
+    precise: bool,
+) -> tuple[Floats, Floats]:
+    """Return bounds of the growth per unit of time of some problems, infinite where none is known.
+
+    ``problem`` holds the ratio of the frequencies, the first of them and the tolerance of all problems; unless
+    ``precise``, a bound below the tolerance is enough.
+    """
+    # Products of q = 1, 2, 4, ... maps at the phases y, y + 2 pi phi, ... have the largest norms r_q over all y.
+    # Growth over q periods is at most log(r_q), in any norm: here the largest sum of a row, in coordinates in which the
+    # mean map is diagonal.  Where the second frequency is weak, r_1 is little more than the largest of its eigenvalues.
+    # The fastest of N solutions grows no less than all do on average, log abs(det) / N.
+    low, high = np.full(places.size, -np.inf), np.full(places.size, np.inf)
+    groups: dict[tuple[int, ...], list[int]] = {}
+    for place, i in enumerate(places.tolist()):
+        if len(series[i]):
+            groups.setdefault(series[i].shape, []).append(place)
+    some = (
+        (shape, np.array(group[k : k + _AT_ONCE]))
+        for shape, group in groups.items()
+        for k in range(0, len(group), _AT_ONCE)
+    )
+    for (count, n, _), at in some:
+        ratio, first, tolerance = (values[places[at]] for values in problem)
+        waves = np.array([series[i] for i in places[at]]).reshape(at.size, count, n * n)
+        order = np.arange(count)
+        angles = np.outer(2.0 * math.pi * np.arange(_PHASES) / _PHASES, order)
+        turns = np.concatenate([np.cos(angles), -np.sin(angles)], axis=1)
+        with np.errstate(all="ignore"):
+            basis = np.linalg.eig(waves[:, 0].real.reshape(-1, n, n))[1]
+            inverse = np.linalg.inv(basis)
+            stretch = np.abs(basis).sum(axis=2).max(axis=1) * np.abs(inverse).sum(axis=2).max(axis=1)
+            off = n * stretch * (errors[places[at]] + _ROUNDED)
+            product = np.broadcast_to(np.eye(n), (at.size, _PHASES, n, n))
+            for k in range(_PERIODS):
+                turned = waves * np.exp(2j * math.pi * k * ratio[:, None] * order)[:, :, None]
+                maps = (turns @ np.concatenate([turned.real, turned.imag], axis=1)).reshape(-1, _PHASES, n, n)
+                if k == 0:
+                    volume = np.linalg.slogdet(maps)[1].mean(axis=1) / n - off
+                    low[at] = volume * first / (2.0 * math.pi)
+                product = inverse[:, None] @ maps @ basis[:, None] @ product
+                if k & (k + 1):  # k + 1 is no power of two
+                    continue
+                sizes = np.abs(product).sum(axis=3).max(axis=2)
+                most = sizes.max(axis=1)
+                between = most - np.minimum(sizes[:, ::2].max(axis=1), sizes[:, 1::2].max(axis=1))
+                found = np.log(most + between) / (k + 1) + off
+                high[at] = np.fmin(high[at], found * first / (2.0 * math.pi))
+                left = np.ones(at.size, dtype=np.bool_) if precise else ~(high[at] < tolerance)
+                if not left.any():
+                    break
+                at, ratio, first, tolerance, waves, basis, inverse, off, product = (
+                    values[left] for values in (at, ratio, first, tolerance, waves, basis, inverse, off, product)
+                )
+    return low, np.maximum(high, low)
 
 
 def _fractions(ratio: float, most: int) -> Iterator[Fraction]:

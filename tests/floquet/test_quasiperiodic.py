@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from floquetrod.floquet import quasiperiodic
-from tests.conftest import JIT
+from tests.conftest import JIT, depth
 
 GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
 
@@ -128,6 +128,31 @@ def agree(seed: int, periods: int) -> None:
     growth = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(d, e1), ratio, cosines=(-e2,)))
     expected = integrated(d, e1, e2, ratio, periods)
     assert abs(growth.rate - expected) < growth.error + 0.5 / periods + 2e-4 * abs(expected)
+
+
+@pytest.mark.parametrize("fraction", [0.5, 1.0, 2.0, 2.5])
+def test_next_to_a_fraction_a_weak_second_frequency_is_harmless_beside_damping(fraction: float) -> None:
+    """Beats are slower than approximants resolve; growth is that of a long integration, and the status decided."""
+    rng = np.random.default_rng(int(10 * fraction))
+    decided, drawn = 0, depth(12, 4)
+    for _ in range(drawn):
+        d, e1, e2 = rng.uniform(0.05, 2.0), rng.uniform(0.05, 0.4), 10.0 ** rng.uniform(-6.0, -1.5)
+        ratio = fraction + rng.choice([-1.0, 1.0]) * rng.uniform(2e-4, 2e-3)
+        undamped, periods = integrated(d, e1, e2, ratio, 300), 300
+        damping = undamped + rng.uniform(0.02, 0.05)
+        equation = fr.TwoFrequencies(hill(d + damping**2, e1, damping), ratio, cosines=(-e2,))
+        growth = fr.quasiperiodic_growth(equation)
+        assert abs(growth.rate - (undamped - damping)) < growth.error + 1.0 / periods
+        assert growth.status != "unstable"
+        decided += growth.status == "stable"
+    assert decided >= 0.7 * drawn
+
+
+def test_without_its_amplitude_a_second_frequency_changes_nothing() -> None:
+    for size in (1e-9, 0.0):
+        growth = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(0.85, 0.25, 0.01), 2.0003, cosines=(size,)))
+        assert growth.status == "stable"
+        assert abs(growth.rate + 0.01) <= growth.error < 1e-8
 
 
 def test_damping_takes_its_rate() -> None:

@@ -232,9 +232,10 @@ def test_what_would_ignore_the_second_sine_refuses_it(ask: Any, words: str) -> N
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.slow
 def test_a_range_in_which_no_mode_is_seen_to_grow_is_called_undecided() -> None:
     """Beats near a ratio of 5/2 are slower than the approximants resolve beside little damping."""
-    rod, load = ROD.replace(damping_rate=0.2), fr.AxialLoad(0.3 * FCR, 0.1 * FCR, OMEGA, second=(0.02 * FCR, 375.345))
+    rod, load = ROD.replace(damping_rate=0.2), fr.AxialLoad(0.3 * FCR, 0.1 * FCR, OMEGA, second=(0.2 * FCR, 375.345))
     assert rod.stability(load).status == "undecided"
     found = rod.ranges("mean", load, bounds=(0.3 * FCR, 0.301 * FCR))
     (band,) = found.unstable
