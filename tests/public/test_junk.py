@@ -294,6 +294,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (WELL.position, {"depth": 10.0}),
     (WELL.curvature, {"depth": 10.0}),
     (fr.ForceRecord, {"time": TIME, "force": 3.0 + np.sin(40.0 * TIME), "harmonics": 3, "frequency": 40.0}),
+    (fr.ForceRecord, {"time": TIME, "force": 3.0 + np.sin(40.0 * TIME) + 0.3 * np.sin(73.1 * TIME), "second": 73.1}),
     (fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)).force, {"t": 0.5}),
     (
         fr.AxialWave,
