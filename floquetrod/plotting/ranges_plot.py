@@ -65,8 +65,10 @@ def draw_ranges(
     ax.set_title(_title(found, unit), fontsize="medium")
     areas = [colours("", "stable")[1]]
     if found.unstable:
-        pale = {"facecolor": palette.UNSEEN}, {"facecolor": palette.UNSTABLE}
-        areas = [*areas, patch("unstable", pale[0]), patch("fastest growth in the band", pale[1])]
+        seen = sorted({band.status for band in found.unstable}, reverse=True)
+        areas.append(patch(" or ".join(seen), {"facecolor": palette.UNSEEN}))
+    if growing:
+        areas.append(patch("fastest growth in the band", {"facecolor": palette.UNSTABLE}))
     if found.not_computed:
         areas.append(patch("not computed: axial resonance", {"facecolor": palette.NEUTRAL}))
     explain(ax, areas, found.note)

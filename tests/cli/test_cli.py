@@ -487,6 +487,7 @@ def test_ranges(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(record["unstable"]) == len(record["stable"]) == 5
     assert record["unstable"][0]["low_N"] == record["stable"][0]["high_N"]
     assert record["unstable"][0]["cause"] == [7, 1]
+    assert {band["status"] for band in record["unstable"]} == {"unstable"}
     for name in ("worst_growth_rate_per_s", "required_damping_rate_per_s"):
         assert record["unstable"][0][name] == pytest.approx(4.351, abs=1e-3)
     assert record["unstable"][-1]["required_damping_rate_per_s"] is None

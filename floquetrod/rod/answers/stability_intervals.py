@@ -86,6 +86,11 @@ class UnstableBand(NamedTuple):
     cause: WhatGrows
     required_damping: float
 
+    @property
+    def status(self) -> Literal["unstable", "undecided"]:
+        """The word "unstable", or "undecided" where no mode is seen to grow."""
+        return "unstable" if self.worst_growth > 0.0 else "undecided"
+
 
 class BandBeyond(NamedTuple):
     """The unstable band in which a margin ends, up to a hundredth of the quantity beyond its edge.
@@ -518,9 +523,8 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
                     band.required_damping,
                 )
                 where = f"{at:.6g}" if full else f"{at:.4g}"
-                seen = band.worst_growth > 0.0
-                status, cause = ("unstable", _end(band.cause)) if seen else ("undecided", "no mode is seen to grow")
-                texts = (" to ".join(ends), status, growth, where, _rounded_up(damping), cause)
+                cause = _end(band.cause) if band.status == "unstable" else "no mode is seen to grow"
+                texts = (" to ".join(ends), band.status, growth, where, _rounded_up(damping), cause)
                 rows.append((band.low, texts))
         for part in self.intervals if full else ():
             between = f"{shown.of(part.low):.9g} to {shown.of(part.high):.9g}"
@@ -533,7 +537,8 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         Returns
         -------
         dict of str
-            Among them ``stable`` and ``unstable``, lists with a dict for each interval.
+            Among them ``stable`` and ``unstable``, lists with a dict for each interval; in ``unstable`` the ``status``
+            is "undecided", and the ``cause`` None, where no mode is seen to grow.
         """
         unit = "N" if self.unit == "N" else "rad_per_s"
         ends = f"low_{unit} high_{unit}"
@@ -548,8 +553,8 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
                 for part in self.intervals
             ],
             "unstable": [
-                by_keys(band, grows)
-                | {"cause": _end_for_json(band.cause)}
+                by_keys(band, f"status {grows}")
+                | {"cause": _end_for_json(band.cause) if band.status == "unstable" else None}
                 | by_keys(band, "required_damping_rate_per_s=required_damping")
                 for band in self.unstable
             ],

@@ -243,3 +243,7 @@ def test_a_range_in_which_no_mode_is_seen_to_grow_is_called_undecided() -> None:
     (row,) = [line for line in found.table().splitlines() if "undecided" in line]
     assert row.endswith("no mode is seen to grow")
     assert " unstable  " not in found.table()
+    (listed,) = found.as_dict()["unstable"]
+    assert (band.status, listed["status"], listed["cause"]) == ("undecided", "undecided", None)
+    ax = found.plot()
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["stable", "undecided"]
