@@ -96,4 +96,4 @@ def _draw_spectrum(record: Any, ax: Any, shown: Unit) -> None:
     ax.set_ylim(0.1 * noise if noise > 1e-9 * largest else 1e-6 * largest, 2.0 * largest)
     ax.set_xlabel("frequency / Hz")
     ax.set_ylabel(f"amplitude / {shown.name}")
-    ax.legend(fontsize="x-small", loc="upper right")
+    ax.legend(fontsize="x-small", loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)

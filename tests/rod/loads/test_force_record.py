@@ -502,6 +502,9 @@ def test_the_drawing_shows_fit_and_spectrum() -> None:
     assert above.get_ylabel() == "force $F$ / N"
     assert below.get_xlabel() == "frequency / Hz"
     assert record.plot((above, below)) == (above, below)
+    for ax in (above, below):  # no legend covers a sample or a harmonic
+        ax.figure.draw_without_rendering()
+        assert not ax.get_legend().get_window_extent().overlaps(ax.get_window_extent())
 
 
 def test_the_axis_of_a_record_with_dates_begins_at_its_first_sample() -> None:
