@@ -51,6 +51,7 @@ _PULLS = (
     "the sign of the forces"
 )
 _APART, _SAME = 1.0, 0.01  # frequencies that the record tells apart, and of a frequency: a second sine is a line's
+_FOLDED = 10  # harmonics that a line may be an alias of (a choice)
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 _IN_PYTHON = "(Python: second= of the record)"
 
@@ -363,7 +364,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         Each has its amplitude in N, its frequency in rad/s and its phase in rad at time 0, as ``second`` of a load
         takes it.  A hundredth of the ``amplitude`` is the least; noise, as strong everywhere as about the line, makes
         one in less than one record of 1000.  They count as noise in all other attributes.  A verdict on the record is
-        undecided where one of them would change it.
+        undecided where one of them would change it.  The sentence that the record prints names a line that may be a
+        harmonic, among the first ten, above half of the sampling rate, folded by evenly spaced samples.
         """
         samples = Samples.of(self.time, self.samples)
         residual = self._residual(samples) / samples.scale
@@ -543,6 +545,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
                 f"; fitted together with a second sine of {force.show(self.second[0], 4)} +- "
                 f"{force.show(self.second_errors[0], 1)} at {hertz.show(self.second[1])}"
             )
+            text = "; ".join([text, *self._folded_in_words([self.second])])
         return self._with_notes(text, load, force)
 
     def _with_notes(self, text: str, load: Load, force: Unit) -> str:
@@ -597,7 +600,29 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             what = "a load has one second sine"
         elif load.noise:
             what = "as noise its power is spread over a band, which may hide that it makes the rod unstable"
-        return [f"{it} holds {many} beside the fit: {sines}; {what}"]
+        said = [f"{it} holds {many} beside the fit: {sines}", what, *self._folded_in_words(lines)]
+        return ["; ".join(said)]
+
+    def _folded_in_words(self, lines: Sequence[Second]) -> list[str]:
+        """Return which lines may be aliases of harmonics above half of the sampling rate."""
+        if not self.harmonic_numbers or not Samples.of(self.time, self.samples).is_even:
+            return []
+        # Evenly spaced samples show n f at its distance from the nearest multiple of the sampling rate, at f_s / 2 at
+        # the most.
+        base, duration = 1.0 / self.period, float(self.time[-1] - self.time[0])
+        rate = (self.time.size - 1) / duration
+        above = np.arange(1, _FOLDED + 1)
+        above = above[above * base > 0.5 * rate]
+        shown = np.abs(above * base - rate * np.round(above * base / rate))
+        said = []
+        for line in lines:
+            near = np.abs(shown - line[1] / (2.0 * math.pi)) <= _APART / duration
+            if near.any():
+                said.append(
+                    f"{line[1] / (2.0 * math.pi):.6g} Hz may be harmonic {above[near][0]} folded at the sampling rate "
+                    f"of {rate:.6g} Hz, as a faster record would show"
+                )
+        return said
 
     def _left_out_in_words(self, load: Load) -> str:
         """Return the lines of the record that a load does not hold, "" without any."""

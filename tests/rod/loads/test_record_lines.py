@@ -46,6 +46,31 @@ def test_two_lines_are_found_the_strongest_first() -> None:
     np.testing.assert_allclose([line[:2] for line in found], [(0.3, 108.196), (0.1, 358.77)], rtol=0.02)
 
 
+def sampled(rate: float, hertz: float, jitter: float = 0.0, **options: Any) -> fr.ForceRecord:
+    """Return 40 s of three harmonics of 18.174 Hz, the third at a frequency, sampled about evenly at a rate in Hz."""
+    rng = np.random.default_rng(0)
+    t = (np.arange(40.0 * rate) + jitter * rng.random(int(40.0 * rate))) / rate
+    force = sum(a * np.sin(2.0 * math.pi * f * t) for a, f in ((1.5, 18.174), (0.4, 36.348), (0.25, hertz)))
+    return fr.ForceRecord(t, 5.0 + force + 0.05 * rng.standard_normal(t.size), **options)
+
+
+def test_a_line_that_may_be_a_folded_harmonic_is_said_to_be() -> None:
+    """At 100 Hz the third harmonic, 54.522 Hz, is sampled as 45.478 Hz; another sine near it is none."""
+    said = r"45\.47\d* Hz may be harmonic 3 folded at the sampling rate of 100 Hz, as a faster record would show"
+    found = sampled(100.0, 3.0 * 18.174)
+    ((amplitude, frequency, _),) = found.lines
+    assert (amplitude, frequency) == (pytest.approx(0.25, rel=0.02), pytest.approx(2.0 * math.pi * 45.478, rel=1e-5))
+    assert len(re.findall(said, repr(found))) == 1
+    with pytest.warns(fr.PlausibilityWarning, match=said):
+        assert found.noisy_load.lines == found.lines
+    assert len(re.findall(said, repr(sampled(100.0, 3.0 * 18.174, second=frequency)))) == 1
+    assert sampled(400.0, 3.0 * 18.174).harmonic_numbers == (1, 2, 3)
+    for other in (sampled(100.0, 45.2), sampled(400.0, 45.478), sampled(100.0, 45.478, jitter=0.5)):
+        assert len(other.lines) == 1
+        assert "beside the fit" in repr(other)
+        assert "folded" not in repr(other)
+
+
 @pytest.mark.parametrize("hertz", [5.517, 15.503, 4.6497])
 def test_a_sine_in_no_ratio_is_a_line_and_no_harmonic(hertz: float) -> None:
     """Near 16 ninths, 5 and 3 halves of 3.1 Hz: both sines are found where they are."""
