@@ -13,7 +13,6 @@ from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second, noise_in_words
-from floquetrod.rod.loads.record_period import SAMPLES_OF_ALL_BANDS
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.units import AnswerUnits
 
@@ -29,7 +28,6 @@ NOISE_OF_SENSOR = (
 """What a verdict on the fit of a record, without noise on the rod, takes the noise for."""
 
 _LONGER = "a longer record has smaller errors"
-_LONGER_NOISE = f"{_LONGER}, of the densities of its noise beyond {SAMPLES_OF_ALL_BANDS:,} samples"
 
 _NOISE_BESIDE_SECOND = (
     "noise taken as an error of the sensor; what a random force does beside a second sine is not known"
@@ -91,7 +89,7 @@ def record_verdict(
         counted = f"the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
         if verdict.status == "stable" and fastest > growth_tolerance:
             counted = f"{counted}, under which the rod grows at up to {fastest:.2g} 1/s"
-        remedies = [_LONGER_NOISE, _one_density(fit)] if fit.noise else [_LONGER]
+        remedies = [_LONGER, _one_density(fit)] if fit.noise else [_LONGER]
         note = "; ".join(filter(None, [note, counted, *remedies]))
         doubts.append("forces within the errors of the fit have another verdict")
     elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + (verdict.error if fit.noise else 0.0):

@@ -40,11 +40,9 @@ _GUESS_HARMONICS = 5  # whose power tells where the frequency is (a choice)
 _COARSE = 0.05  # error of a frequency that is refined later, relative to its standard error (a choice)
 _KNOWN = 0.1  # radians at the ends of a record that the frequency leaves open in its highest harmonic (a choice)
 _MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second
-_BANDS, _IN_A_BAND = 512, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
-SAMPLES_OF_ALL_BANDS = 2 * _BANDS * _IN_A_BAND
-"""Samples of a record beyond which more of them make the densities of its noise more certain, not their bands finer."""
-
-_UNEVEN_BAND = 0.01  # chance that even noise divides any band (a choice)
+_IN_A_PART = 4  # frequencies that the record tells apart, in the narrowest bands of its noise (a choice)
+_NOTHING = 1e-9  # power relative to its mean: less is rounding (a choice)
+_UNEVEN_BAND = 0.2  # chance that even noise is divided (a choice)
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 
@@ -410,29 +408,67 @@ def _transformed(grid: Floats, cells: int, size: int, highest: float, count: int
     return Spectrum(step, (found.real**2 + found.imag**2) / count)
 
 
-def even_bands(found: Spectrum) -> Iterator[tuple[float, float, float]]:
-    """Yield the middles in periods per record, the mean power and its relative standard error in bands of a spectrum.
+class EvenBand(NamedTuple):
+    """A band of a spectrum in which the power is even, but for chance: from ``low`` to ``high``, in periods per record.
 
-    Bands have 16 independent frequencies or more; one whose quarters differ beyond chance is divided into these.
+    ``power`` is the mean there, and ``error`` its standard error, relative to it.
     """
-    # Bartlett's test: of four means of k exponential powers each, 2 k sum(log(mean of all) - log(mean)) is distributed
-    # as chi squared with three degrees of freedom, almost.
-    from scipy.special import chdtri
 
-    at = found.step * np.arange(1, found.power.size + 1)
-    number = max(1, min(_BANDS, int(found.power.size * found.step) // _IN_A_BAND))
-    left = list(zip(np.array_split(at, number), np.array_split(found.power, number), strict=True))[::-1]
-    limit = chdtri(3.0, _UNEVEN_BAND / number)
+    low: float
+    high: float
+    power: float
+    error: float
+    is_narrowest: bool  # too narrow to be divided once more
+
+
+def even_bands(found: Spectrum) -> Iterator[EvenBand]:
+    """Yield the bands of a spectrum: all of it, divided into four, and these again, where it is uneven beyond chance.
+
+    Parts of 4, 8, 16, ... frequencies that the record tells apart are compared; no band has less than four, unless the
+    spectrum has.
+    """
+    # At frequencies that the record tells apart the powers of even noise are independent and exponential.
+    power = found.power[min(_PADDING, found.power.size) - 1 :: _PADDING]
+    at = found.step * _PADDING * np.arange(1, power.size + 1)
+    whole, first, left = power.size, 0, [power]
     while left:
-        places, power = left.pop()
-        quarters = list(zip(np.array_split(places, 4), np.array_split(power, 4), strict=True))
-        independent = found.step * power.size
-        if independent >= _IN_A_BAND - 1.0 and power.min() > 0.0:
-            means = np.array([quarter.mean() for _, quarter in quarters])
-            if 0.5 * independent * float(np.sum(math.log(power.mean()) - np.log(means))) > limit:
-                left.extend(quarters[::-1])
-                continue
-        yield float(places.mean()), float(power.mean()), 1.0 / math.sqrt(max(1.0, independent))
+        power = left.pop()
+        is_narrowest = power.size < 4 * _IN_A_PART <= whole
+        if power.size >= 4 * _IN_A_PART and _is_uneven(power):
+            left.extend(np.array_split(power, 4)[::-1])
+            continue
+        last = first + power.size - 1
+        yield EvenBand(
+            float(at[first]), float(at[last]), float(power.mean()), 1.0 / math.sqrt(power.size), is_narrowest
+        )
+        first = last + 1
+
+
+def _is_uneven(power: Floats) -> bool:
+    """Return whether parts of one of the widths differ beyond chance: all of them, or one from the rest."""
+    # Bartlett's test: of m means of k exponential powers each, 2 k sum(log(mean of all) - log(mean)), over
+    # 1 + (m + 1) / 6 m k, is distributed as chi squared with m - 1 degrees of freedom, almost.  It finds slopes.  A
+    # narrow band that rises or falls is found by its own mean, k times which is distributed as a gamma of order k;
+    # such parts overlap by half, so that no band lies between two.
+    from scipy.special import chdtri, gammainc, gammaincc
+
+    if not power.any():
+        return False
+    whole = np.concatenate([[0.0], np.cumsum(power / power.mean())])
+    widths = [_IN_A_PART << k for k in range(int(math.log2(power.size // _IN_A_PART)))]  # two parts or more
+    chance = _UNEVEN_BAND / len(widths)  # of each width
+    for width in widths:
+        number = power.size // width
+        k = power.size / number
+        ends = np.rint(np.linspace(0.0, power.size, 2 * number + 1)).astype(int)
+        parts = np.maximum(_NOTHING, (whole[ends[2:]] - whole[ends[:-2]]) / (ends[2:] - ends[:-2]))
+        spread = -2.0 * k * float(np.log(parts[::2]).sum()) / (1.0 + (number + 1.0) / (6.0 * number * k))
+        if spread > chdtri(number - 1.0, 0.5 * chance):
+            return True
+        # Half of the chance is shared out to two sides of twice as many parts.
+        if min(gammaincc(k, k * parts.max()), gammainc(k, k * parts.min())) < 0.125 * chance / number:
+            return True
+    return False
 
 
 def coloured(found: Fit, residual: Spectrum, nearest: float = _NEAREST) -> Floats:

@@ -197,27 +197,37 @@ def test_the_modes_named_are_those_whose_own_equations_grow() -> None:
     assert seen >= 0.2 * count
 
 
-def random_alone(shape: slice) -> fr.ForceRecord:
-    """Return a record of a random force with one density at the frequencies of a slice, of 4001."""
+def random_alone(size: float, shape: slice = slice(None)) -> fr.ForceRecord:
+    """Return a record of a random force with one density at the frequencies of a slice, of 4001.
+
+    ``size`` is the root mean square in N of the force at all of them.
+    """
     shares = np.zeros(4001)
     shares[shape] = 1.0
     waves = np.fft.rfft(np.random.default_rng(3).standard_normal(8000)) * shares
-    return fr.ForceRecord(np.arange(8000) * 0.005, 0.3 * FCR + 0.27 * np.fft.irfft(waves), harmonics=0)
+    return fr.ForceRecord(np.arange(8000) * 0.005, 0.3 * FCR + size * np.fft.irfft(waves), harmonics=0)
 
 
 def test_a_verdict_that_densities_leave_undecided_names_the_growth_and_the_mean_of_even_ones() -> None:
-    rod = ROD.replace(damping_rate=1.0)
-    record = random_alone(slice(None))
-    verdict = rod.stability(record.noisy_load)
+    record = random_alone(0.246)
+    verdict = ROD.stability(record.noisy_load)
     assert verdict.status == "undecided"
     grows = re.search(r"forces within its errors are not, under which the rod grows at up to (\S+) 1/s;", verdict.note)
     assert grows is not None
-    drawn = (rod.stability(load).growth_rate for load in record.noisy_load._within_errors(20))
+    drawn = (ROD.stability(load).growth_rate for load in record.noisy_load._within_errors(20))
     assert float(grows[1]) == pytest.approx(max(drawn), rel=0.05)
     density = re.search(r'\(Python: noise="(.*)" of the load\)', verdict.note)
     assert density is not None
-    assert rod.stability(replace(record.load, noise=density[1])).status == "stable"
-    assert replace(record.load, noise=density[1]).noise == pytest.approx(2.0 * 0.005 * 0.27**2, rel=0.05)
-    uneven = rod.stability(random_alone(slice(2000)).noisy_load)
+    assert ROD.stability(replace(record.load, noise=density[1])).status == "stable"
+    assert replace(record.load, noise=density[1]).noise == pytest.approx(2.0 * 0.005 * 0.246**2, rel=0.05)
+    uneven = ROD.stability(random_alone(0.246, slice(2000)).noisy_load)
     assert "within its errors are not, under which the rod grows" in uneven.note
     assert "one density" not in uneven.note
+
+
+def test_a_record_of_even_noise_is_judged_as_its_density_is() -> None:
+    """Records of 40 s, a tenth above and below the density at which high modes begin to grow, a factor of 1."""
+    beyond = fr.AxialLoad(0.3 * FCR, 0.0, 10.0, noise=1.0)
+    critical = math.sqrt(100.0 * float(ROD.critical("noise", beyond)))  # root mean square in N below 100 Hz
+    for factor, status in ((0.9, "stable"), (1.15, "unstable")):
+        assert ROD.stability(random_alone(critical * math.sqrt(factor)).noisy_load).status == status
