@@ -11,6 +11,7 @@ import numpy as np
 
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.rod.answers.evidence import NoisyCoupledEvidence, NoisyEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second, noise_in_words
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -48,7 +49,8 @@ def record_verdict(
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
     depart from the fit's by two standard errors; numbers that replace the record's are the same in all.  The root mean
     square of the change in growth adds to the error.  The verdict is undecided where one of them has another verdict or
-    where the growth is within this error of the tolerance.  So it is where a line of the record, a sine that the fit
+    where the growth is within this error of the tolerance, of which under noise only that towards another verdict
+    counts.  So it is where a line of the record, a sine that the fit
     does not hold, changes the verdict, or where that is not known; where a mean force between those at both ends of a
     record with a trend does; and where noise that is no sensor's, taken as a random force, does.  ``progress`` is
     called with the numbers of verdicts and of forces decided and to decide.
@@ -92,7 +94,7 @@ def record_verdict(
         remedies = [_LONGER, _one_density(fit)] if fit.noise else [_LONGER]
         note = "; ".join(filter(None, [note, counted, *remedies]))
         doubts.append("forces within the errors of the fit have another verdict")
-    elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + (verdict.error if fit.noise else 0.0):
+    elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + _error_towards_another(verdict):
         doubts.append("the noise in the record makes the growth rate too uncertain")
     if not fit.noise:
         note = f"{note}; {NOISE_OF_SENSOR if fit.second is None else _NOISE_BESIDE_SECOND}"
@@ -113,6 +115,20 @@ def record_verdict(
         error=verdict.error + noise + off,
         note="; ".join(filter(None, [verdict.note, note, *said])),
     )
+
+
+def _error_towards_another(verdict: RodStability) -> float:
+    """Return the error in 1/s of the growth under noise towards another verdict, 0 without noise.
+
+    Less growth changes an unstable verdict, more of it a stable one.
+    """
+    match verdict.evidence:
+        case NoisyEvidence(growth_errors=(less, more)):
+            return less if verdict.status == "unstable" else more
+        case NoisyCoupledEvidence():
+            return verdict.error
+        case _:
+            return 0.0
 
 
 class _Trial(NamedTuple):

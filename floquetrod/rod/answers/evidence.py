@@ -152,6 +152,9 @@ class NoisyEvidence(_ModeByMode):
         Bound in 1/s on the growth of every other mode in mean square, infinite where the modes were chosen.
     limit : float
         Growth in 1/s that high modes approach in mean square.
+    growth_errors : tuple of float
+        How much less and how much more than the growth rate the growth may be, in 1/s; the second is infinite where
+        noise at times takes all stiffness of a mode.
     """
 
     kind: ClassVar[str] = "modes under noise"
@@ -163,6 +166,7 @@ class NoisyEvidence(_ModeByMode):
     mode_intensities: Floats = field(compare=False)
     left_out_bound: float
     limit: float
+    growth_errors: tuple[float, float]
 
     @property
     def cutoff(self) -> str:

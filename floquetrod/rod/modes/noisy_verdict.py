@@ -330,7 +330,8 @@ def classify_noisy(
         left_out = float(bounds.left_out(np.array([len(examined.modes)]))[0])
     rates = examined.rates
     status, note = _concluded(examined, (limit, left_out), growth_tolerance)
-    status, off, doubt = _under_uneven_noise(examined, status, limit, growth_tolerance, chosen)
+    status, (below, above), doubt = _under_uneven_noise(examined, status, limit, growth_tolerance, chosen)
+    error = examined.error((limit, -math.inf if chosen else left_out))
     exponents = [*examined.exponents, *([complex(limit)] if limit > rates.max() else [])]
     costs = (verdict.cost.amount for verdict in examined.verdicts)
     return RodStability(
@@ -342,13 +343,14 @@ def classify_noisy(
             np.array(examined.intensities),
             max(0.0, left_out),
             limit,
+            (error + below, error + above),
         ),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=max(0.0, float(rates.max()), limit),
         exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
         period=2.0 * math.pi / load.frequency,
-        error=examined.error((limit, -math.inf if chosen else left_out)) + off,
+        error=error + max(below, above),
         cost=Cost(sum(costs), "operations"),
         note="; ".join(filter(None, [note, doubt])),
         undecided_by=doubt if status == "undecided" else "",
@@ -358,15 +360,19 @@ def classify_noisy(
 
 def _under_uneven_noise(
     examined: _Examined, status: Status, limit: float, growth_tolerance: float, chosen: tuple[int, ...] | None
-) -> tuple[Status, float, str]:
-    """Return the verdict where noise may be uneven about twice a mode's frequency, the error of growth, and why."""
+) -> tuple[Status, tuple[float, float], str]:
+    """Return the verdict where noise may be uneven about twice a mode's frequency, the errors of growth, and why.
+
+    Errors in 1/s: how much slower the growth may be under the least density about each mode, how much faster under the
+    largest.
+    """
     modes, loads, rates = examined.equations, Loads.single(examined.load), examined.rates
     flat = Loads((1,), *loads.flat)
     strongest = _with_most_noise(modes, flat, growth_tolerance, None, None if chosen is None else np.array(chosen))
     most, fastest = float(strongest.growth[0]), max(0.0, float(rates.max()), limit)
     grows = np.array([[STATUS_CODES[verdict.status] for verdict in examined.verdicts]])
     least = _with_least_noise(modes, modes.parts(flat, examined.modes), grows, rates[None, :], None)[0]
-    off = max(0.0, float(rates.max() - least[rates.argmax()]), most - fastest)
+    off = fastest - max(0.0, limit, float(least.max())), max(0.0, most - fastest)
     if status == "stable" and most > growth_tolerance:
         doubt = (
             f"the noise is uneven within {strongest.distance[0]:.2g} Hz of {strongest.hertz[0]:.4g} Hz, twice the "

@@ -231,3 +231,13 @@ def test_a_record_of_even_noise_is_judged_as_its_density_is() -> None:
     critical = math.sqrt(100.0 * float(ROD.critical("noise", beyond)))  # root mean square in N below 100 Hz
     for factor, status in ((0.9, "stable"), (1.15, "unstable")):
         assert ROD.stability(random_alone(critical * math.sqrt(factor)).noisy_load).status == status
+
+
+def test_noise_that_may_take_all_stiffness_leaves_growth_unstable() -> None:
+    """It can only make the modes grow faster: no error towards less growth."""
+    rod = ROD.replace(damping_rate=1.0)
+    verdict = rod.stability(random_alone(0.6).noisy_load)
+    less, more = verdict.evidence.growth_errors
+    assert verdict.status == "unstable"
+    assert less < 1e-6 < verdict.growth_rate
+    assert more == verdict.error == math.inf
