@@ -113,7 +113,9 @@ def sound(result: Any) -> list[str]:
     lines = []
     if result.status == "undecided" and not result.note:
         lines.append("undecided without a reason")
-    if result.exponents:
+    if result.unknown_below == math.inf:  # all is lost in rounding, which the note says
+        lines += [] if result.status == "undecided" else [f"{result.status} without a known exponent"]
+    elif result.exponents:
         count = 2 * result.system.order if isinstance(result.system, fr.HillSystem) else result.system.order
         lengths = {len(getattr(result, n)) for n in ("exponents", "exponent_errors", "krein_signs", "multipliers")}
         if lengths != {count}:
@@ -156,6 +158,8 @@ def against_scipy(system: System, result: Any) -> list[str]:
     slack = _INTEGRATED * size + 10.0 * float(getattr(system, "coefficient_error", 0.0)) * system.period * size
     lines = []
     for mu, error in zip(result.multipliers, result.multiplier_errors, strict=True):
+        if not np.isfinite(mu):  # unknown, below a bound, or beyond the range of doubles
+            continue
         least = float(np.linalg.svd(found - mu * np.eye(len(found)), compute_uv=False)[-1])
         if least > slack + error:
             lines.append(f"{mu!r} +- {error:.3g} is no multiplier: scipy's map is {least:.3g} from having it")
