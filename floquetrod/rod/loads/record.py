@@ -349,7 +349,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def noise_spectrum(self) -> tuple[tuple[float, float], ...]:
         """Frequencies in Hz, and the one-sided spectral density there in N^2/Hz of the residual of the fit.
 
-        Pairs at both ends of each band in which the power of the residual is even, but for chance, and in the middle
+        Pairs at both ends of each band in which the power of the residual is even, except for chance, and in the middle
         of the narrowest.  The density is the average over the band; its relative standard error is one over the square
         root of the number of frequencies in it that the record tells apart.  A spectrum in which parts, of 4, 8, 16 or
         more such frequencies, differ beyond chance, that of one even record in five, is divided into four, and so are

@@ -409,7 +409,7 @@ def _transformed(grid: Floats, cells: int, size: int, highest: float, count: int
 
 
 class EvenBand(NamedTuple):
-    """A band of a spectrum in which the power is even, but for chance: from ``low`` to ``high``, in periods per record.
+    """A band of a spectrum in which the power is even, except for chance, with its ends in periods per record.
 
     ``power`` is the mean there, and ``error`` its standard error, relative to it.
     """
