@@ -14,6 +14,7 @@ from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.evidence import NoisyCoupledEvidence, NoisyEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, LoadSource, Second, noise_in_words
+from floquetrod.rod.loads.record_period import IN_A_FINE_BAND
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.units import AnswerUnits
 
@@ -50,10 +51,10 @@ def record_verdict(
     depart from the fit's by two standard errors; numbers that replace the record's are the same in all.  The root mean
     square of the change in growth adds to the error.  The verdict is undecided where one of them has another verdict or
     where the growth is within this error of the tolerance, of which under noise only that towards another verdict
-    counts.  So it is where a line of the record, a sine that the fit
-    does not hold, changes the verdict, or where that is not known; where a mean force between those at both ends of a
-    record with a trend does; and where noise that is no sensor's, taken as a random force, does.  ``progress`` is
-    called with the numbers of verdicts and of forces decided and to decide.
+    counts.  So it is where a line of the record, a sine that the fit does not hold, changes the verdict, or where that
+    is not known; where a mean force between those at both ends of a record with a trend does; where noise that is no
+    sensor's, taken as a random force, does; and where the densities of a measured noise over few frequencies, larger by
+    their errors, do.  ``progress`` is called with the numbers of verdicts and of forces decided and to decide.
     """
     trials = 0
 
@@ -102,6 +103,7 @@ def record_verdict(
         *(_with_line(model, record, line, chosen, growth_tolerance) for line in record.lines),
         *_with_means(model, record, chosen, growth_tolerance, code),
         *_with_residual(model, record, chosen, growth_tolerance),
+        *_with_fine_noise(model, record, chosen, growth_tolerance),
     ]
     changing = [trial for trial in trials_of_others if trial.status != code]
     doubts += [trial.doubt for trial in changing]
@@ -229,6 +231,21 @@ def _with_residual(
         said = "what the fit leaves may, as a random force, make the rod unstable in mean square"
     note = f"{said}; its spectrum is too uneven for the noise of a sensor"
     yield _Trial(STATUS_CODES[verdict.status], verdict.growth_rate, note, said, False)
+
+
+def _with_fine_noise(
+    model: ModeModel, record: LoadSource, modes: Sequence[int] | None, tolerance: float
+) -> Iterator[_Trial]:
+    """Yield the verdict with densities averaged over few frequencies alone, plus their errors, where the rod grows.
+
+    A narrow band too weak to be told from chance, in which noise is taken as even, counts here.
+    """
+    load = record._with_fine_noise()
+    growth = 0.0 if load is None else _status_and_growth(model, load, modes, tolerance)[1]
+    if growth > tolerance:
+        said = f"with densities over {IN_A_FINE_BAND} frequencies, and their errors, the rod may grow in mean square"
+        note = f"{said}, at {growth:.2g} 1/s: the excess there may be chance; {_LONGER}"
+        yield _Trial(STATUS_CODES["unstable"], growth, note, said, False)
 
 
 def _in_words(verdict: RodStability) -> str:

@@ -473,6 +473,10 @@ class LoadSource(ABC):
         """Return the force with what its load leaves of it as the noise of its load."""
 
     @abstractmethod
+    def _with_fine_noise(self) -> Load | None:
+        """Return the load with densities of its measured noise over few frequencies, plus errors, None without any."""
+
+    @abstractmethod
     def _within_errors(self, count: int) -> Iterator[Load]:
         """Yield loads drawn within the errors of the load, the same ones in every call."""
 

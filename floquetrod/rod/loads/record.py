@@ -31,8 +31,10 @@ from floquetrod.rod.loads.record_period import (
     RANDOM_ALONE,
     NoPeriodError,
     PeriodicFit,
+    Spectrum,
     even_bands,
     find,
+    fine_bands,
     power_spectrum,
     without_period,
 )
@@ -354,8 +356,8 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         root of the number of frequencies in it that the record tells apart.  A spectrum in which parts, of 4, 8, 16 or
         more such frequencies, differ beyond chance, that of one even record in five, is divided into four, and so are
         these, as long as four frequencies are left to each.  What rises less above the noise beside it is not seen:
-        three times the density in 16 frequencies is missed in three of ten records of 4000 samples.  Nothing is known
-        above half of the sampling rate.
+        three times the density in 16 frequencies is missed in three of ten records of 4000 samples; verdicts therefore
+        try the averages over 16 frequencies, too.  Nothing is known above half of the sampling rate.
         """
         return self._spectrum_of([band.density for band in self._bands])
 
@@ -364,16 +366,26 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         return tuple((at, density) for band, density in zip(self._bands, densities, strict=True) for at in band.places)
 
     @cached_property
+    def _spectrum(self) -> tuple[Spectrum, float, float]:
+        """The power of the residual, and the units of its frequencies in Hz and of its power in N^2/Hz."""
+        samples = Samples.of(self.time, self.samples)
+        rate = (self.time.size - 1) / float(self.time[-1] - self.time[0])
+        return power_spectrum(samples, self._residual(samples)), 0.5 / samples.half, 2.0 / rate
+
+    @cached_property
     def _bands(self) -> tuple[Band, ...]:
         """The bands of the spectrum of the noise."""
-        samples = Samples.of(self.time, self.samples)
-        found = power_spectrum(samples, self._residual(samples))
-        rate = (self.time.size - 1) / float(self.time[-1] - self.time[0])
-        hertz, density = 0.5 / samples.half, 2.0 / rate
+        found, hertz, density = self._spectrum
         return tuple(
             Band(hertz * band.low, hertz * band.high, density * band.power, band.error, band.is_narrowest)
             for band in even_bands(found)
         )
+
+    @cached_property
+    def _fine_spectrum(self) -> tuple[tuple[float, float], ...]:
+        """The spectrum of the noise in bands of few frequencies, however even it is, plus their standard errors."""
+        found, hertz, density = self._spectrum
+        return tuple((hertz * at, density * power) for at, power in fine_bands(found))
 
     @cached_property
     def lines(self) -> tuple[Second, ...]:
@@ -403,6 +415,9 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     def _is_uneven(self) -> bool:
         density = np.array([band.density for band in self._bands])
         return bool(density.max() > _UNEVEN * float(np.median(density)))
+
+    def _with_fine_noise(self) -> None:
+        """Its load has no noise."""
 
     def _with_residual(self) -> ChangedRecord:
         return ChangedRecord(self, functools.partial(_with_noise, self.noise_spectrum))
@@ -706,6 +721,11 @@ class ChangedRecord(LoadSource):
     @property
     def _is_uneven(self) -> bool:
         return not self.load.noise and self.record._is_uneven
+
+    def _with_fine_noise(self) -> Load | None:
+        load = self.load
+        is_measured = load.noise and load.noise == self.record.noise_spectrum
+        return replace(load, noise=self.record._fine_spectrum) if is_measured else None
 
     def _with_residual(self) -> ChangedRecord:
         noise = self.record.noise_spectrum

@@ -43,6 +43,10 @@ _MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second
 _IN_A_PART = 4  # frequencies that the record tells apart, in the narrowest bands of its noise (a choice)
 _NOTHING = 1e-9  # power relative to its mean: less is rounding (a choice)
 _UNEVEN_BAND = 0.2  # chance that even noise is divided (a choice)
+IN_A_FINE_BAND = 16
+"""Frequencies that the record tells apart, over which the power of its noise is averaged at least, even or not."""
+
+_FINE = 512  # bands of such averages at most (a choice)
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 
@@ -442,6 +446,21 @@ def even_bands(found: Spectrum) -> Iterator[EvenBand]:
             float(at[first]), float(at[last]), float(power.mean()), 1.0 / math.sqrt(power.size), is_narrowest
         )
         first = last + 1
+
+
+def fine_bands(found: Spectrum) -> Iterator[tuple[float, float]]:
+    """Yield middle and mean power, plus its standard error, of bands of `IN_A_FINE_BAND` frequencies or more.
+
+    They overlap, so that about every frequency there is one.
+    """
+    power = found.power[min(_PADDING, found.power.size) - 1 :: _PADDING]
+    at = found.step * _PADDING * np.arange(1, power.size + 1)
+    step = max(IN_A_FINE_BAND // 4, math.ceil(power.size / _FINE))
+    width = min(power.size, max(IN_A_FINE_BAND, 2 * step))
+    whole = np.concatenate([[0.0], np.cumsum(power)])
+    for first in range(0, power.size - width + 1, step):
+        mean = float(whole[first + width] - whole[first]) / width
+        yield float(at[first : first + width].mean()), mean * (1.0 + 1.0 / math.sqrt(width))
 
 
 def _is_uneven(power: Floats) -> bool:

@@ -12,6 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.cli.main import main
+from tests.conftest import depth
 
 POUND = 4.4482216152605
 ROD = fr.Rod(
@@ -94,6 +95,25 @@ def test_a_mean_that_drifts_across_a_boundary_leaves_it_undecided() -> None:
     assert 955.0 < float(high) / POUND < 966.2
     little = ROD.stability(record(push() + 0.5 * (TIME - 30.0) + white()))
     assert little.status == "stable"
+
+
+@pytest.mark.parametrize(("times", "width"), [(1.0, 0.0), (3.0, 0.8)])
+def test_a_narrow_excess_that_chance_may_make_is_not_passed_over(times: float, width: float) -> None:
+    """Sixteen frequencies of three times the density about twice a mode's frequency; without them records decide."""
+    rod = fr.Rod.nitinol().replace(damping_rate=1.0)
+    mean, even, seconds, rate = 0.3 * rod.critical_force, 1.13e-3, 20.0, 200.0  # N, N^2/Hz, s, Hz
+    verdicts = []
+    for seed in range(depth(40, 8)):
+        rng, at = np.random.default_rng(seed), np.fft.rfftfreq(int(seconds * rate), 1.0 / rate)
+        density = even * np.where(np.abs(at - 22.042) < 0.5 * width, times, 1.0)  # of mode 7
+        parts = rng.standard_normal((2, at.size)) * np.sqrt(0.25 * density * rate**2 * seconds)
+        parts[:, 0] = 0.0
+        force = mean + np.fft.irfft(parts[0] + 1j * parts[1])
+        measured = fr.ForceRecord(np.arange(force.size) / rate, force, harmonics=0)
+        verdicts.append(rod.stability(measured.noisy_load).status)
+    assert "unstable" not in verdicts
+    stable = verdicts.count("stable") / len(verdicts)
+    assert stable >= 0.6 if times == 1.0 else stable <= 0.1  # a fifth and more without the averages over few
 
 
 @pytest.mark.slow
