@@ -358,6 +358,11 @@ def untyped(name: str, values: Any) -> NDArray[Any]:
         raise wrong_value(name, f"must be an array or nested lists of equal lengths, got {short(values)}") from None
 
 
+def dimensions(name: str, values: Any) -> int:
+    """Return the number of dimensions of an array, or of nested lists as `untyped` takes them."""
+    return int(values.ndim) if hasattr(values, "ndim") else untyped(name, values).ndim
+
+
 def elements(name: str, count: int) -> None:
     """Raise ValueError for an array of more than `MOST_ELEMENTS`, before memory is taken for it."""
     if count > MOST_ELEMENTS:

@@ -637,7 +637,7 @@ def _by_samples(delayed: Any, present: Present, times: Any) -> tuple[Present, tu
 
     def interpolated(values: Any) -> PeriodicSystem | None:
         with contextlib.suppress(ValueError):  # of rows of different lengths, which are refused below
-            if validate.untyped("values", values).ndim == 2:
+            if validate.dimensions("values", values) == 2:
                 return None
         return PeriodicSystem.from_samples(times, values, present.period)
 

@@ -71,7 +71,7 @@ class Guess(NamedTuple):
 
 def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
     """Return about one period of an orbit from a state (n,) or a record (times, states), and its period if known."""
-    if isinstance(start, tuple) and len(start) == 2 and validate.untyped("start", start[1]).ndim == 2:
+    if isinstance(start, tuple) and len(start) == 2 and validate.dimensions("start", start[1]) == 2:
         return _from_record(system, *_record(*start), period)
     state = validate.array("start", start, least=-_LARGEST, largest=_LARGEST)
     if state.ndim != 1 or not state.size:

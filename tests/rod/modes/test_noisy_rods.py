@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import pickle
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -232,12 +233,17 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
         try:
             found = rod.critical("noise", force, growth_tolerance=tolerance)
         except ValueError as error:
-            assert "stable without noise" in str(error)  # noqa: PT017
+            assert re.search("stable without noise|leaves the wall", str(error))  # noqa: PT017
             continue
         if math.isinf(found):
             assert "no critical noise" in repr(found)
             continue
-        assert found.error <= 1e-6 * found
+        if found.error > 1e-6 * found:  # of a narrow band: verdicts above are undecided, up to the error
+            assert "verdicts are undecided" in repr(found)
+            below, above = (scaled_noise(force.noise, factor * found) for factor in (1.0 - 1e-6, 1.0 + 1e-6))
+            assert both_ways(rod, replace(force, noise=below), tolerance) == ("stable", 1)
+            assert both_ways(rod, replace(force, noise=above), tolerance) == ("undecided", -1)
+            continue
         for way, says in ((-2.0, ("stable", 1)), (2.0, ("unstable", 0))):
             near = replace(force, noise=scaled_noise(force.noise, found + way * found.error))
             assert both_ways(rod, near, tolerance) == says
