@@ -221,8 +221,12 @@ def _listed(name: str, given: Any, such: str) -> list[Any]:
         raise wrong_type(name, f"must be a list {such}, got {short(given)}")
     if not given:
         raise wrong_value(name, f"must be a list of one or more {such}, got an empty one; leave it out for none")
-    if given[MOST_SECTIONS : MOST_SECTIONS + 1]:  # the length of a range may exceed what `len` returns
-        raise wrong_value(name, f"must be {MOST_SECTIONS:,} at most, got more; give alike ones that adjoin as one")
+    if given[MOST_SECTIONS : MOST_SECTIONS + 1]:
+        try:
+            count = f"{len(given):,}"
+        except OverflowError:  # of a range
+            count = "more"
+        raise wrong_value(name, f"must be {MOST_SECTIONS:,} at most, got {count}; give alike ones that adjoin as one")
     return list(given)
 
 
