@@ -607,7 +607,8 @@ def damping_lines(verdict: RodStability) -> list[ReportLine]:
         text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
         return [("damping", text)]
     rates = "a damping_rate" if verdict.has_exact_margins else "every damping_rate tried"
-    return [("damping", f"stable with {rates} above {damping:.6g} 1/s")] if damping > 0.0 else []
+    calm = "no mode grows in mean square" if isinstance(verdict.evidence, NoisyEvidence) else "stable"
+    return [("damping", f"{calm} with {rates} above {damping:.6g} 1/s")] if damping > 0.0 else []
 
 
 def _headline(verdict: RodStability) -> str:
@@ -750,6 +751,13 @@ def _method(verdict: RodStability) -> str:
             return f"{methods}; discriminants good to {error} relative"
         case NoisyEvidence():
             methods = ", ".join(sorted({mode_verdict.method for mode_verdict in evidence.mode_verdicts}))
+            less, more = evidence.growth_errors
+            if math.isinf(more) and verdict.status == "unstable":
+                known = f"good to {less:.0e} 1/s downwards" if math.isfinite(less) else "an estimate"
+                return (
+                    f"second moments, {methods}; growth is {known}, and may be larger, as noise at times takes all "
+                    "stiffness of a mode"
+                )
             return f"second moments, {methods}; growth good to {error} 1/s"
         case CoupledEvidence():
             method = f"{evidence.whole.method}, {verdict.cost}"

@@ -838,6 +838,9 @@ def _two_sines(samples: Samples, found: PeriodicFit, near: float, most: int | No
         held = " and ".join(f"{line.omega / samples.half / (2.0 * math.pi):.6g}" for line in lines)
         base = found.fit.omega / samples.half / (2.0 * math.pi)
         beside = f"it holds {held} Hz" if lines else "it holds none above the noise"
+        multiple = round(near / (2.0 * math.pi * base))
+        if multiple in found.fit.numbers and abs(near / (2.0 * math.pi) - multiple * base) <= _SAME * multiple * base:
+            beside = f"the fit holds harmonic {multiple}, so that the verdict without second has it"
         raise validate.wrong_value(
             "second",
             f"must be the frequency of a sine that the record holds beside its fit, whose fundamental is {base:.6g} "

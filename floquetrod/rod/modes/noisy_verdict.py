@@ -168,6 +168,11 @@ class NoisyModel(SampledModel):
             return False
         return super().is_stable(load, growth_tolerance)
 
+    def is_calm(self, load: Load, growth_tolerance: float) -> bool:
+        """Return whether no second moment is seen to grow, as it may be where slow or uneven noise leaves that open."""
+        growth = self.under(load).answers(Loads((1,), *Loads.single(load).flat), growth_tolerance).growth[0]
+        return bool(growth <= growth_tolerance)
+
     def certify(
         self,
         sides: tuple[Any, Any, Any],

@@ -135,14 +135,20 @@ class SampledModel(ModeModel):
     def damping_required(self, load: Load, growth_tolerance: float) -> float:
         """Return the least damping rate in 1/s, to nine digits, above which a load is stable, as far as tried.
 
-        Infinite where the mean force alone buckles a mode, and where none up to ten times the frequency of the load is.
+        Infinite where the mean force alone buckles a mode, and where none up to ten times the frequency of the load, or
+        of the critical mode, is.
         """
         if self.buckles(load, growth_tolerance):
             return math.inf
 
-        def is_stable(rate: float) -> bool:
-            return replace(self, rod=self.rod.replace(damping_rate=rate)).is_stable(load, growth_tolerance)
+        def is_calm(rate: float) -> bool:
+            return replace(self, rod=self.rod.replace(damping_rate=rate)).is_calm(load, growth_tolerance)
 
-        if is_stable(0.0):
+        if is_calm(0.0):
             return 0.0
-        return bracket(is_stable, 1e-6 * load.frequency, _STRONGEST * load.frequency, 1e-9)[1]
+        fastest = max(load.frequency, self.rod.natural_frequency(self.rod.critical_mode))
+        return bracket(is_calm, 1e-6 * load.frequency, _STRONGEST * fastest, 1e-9)[1]
+
+    def is_calm(self, load: Load, growth_tolerance: float) -> bool:
+        """Return whether no mode is seen to grow under one load."""
+        return self.is_stable(load, growth_tolerance)

@@ -241,3 +241,20 @@ def test_noise_that_may_take_all_stiffness_leaves_growth_unstable() -> None:
     assert verdict.status == "unstable"
     assert less < 1e-6 < verdict.growth_rate
     assert more == verdict.error == math.inf
+
+
+@pytest.mark.slow
+def test_damping_that_ends_growth_is_found_beside_noise_that_may_take_all_stiffness() -> None:
+    """As for one density at all frequencies: verdicts there are undecided, but no mode grows."""
+    rod = ROD.replace(damping_rate=0.3)
+    verdict = rod.stability(random_alone(0.45).noisy_load)
+    assert verdict.status == "unstable"
+    damping = verdict.damping_to_stabilise
+    even = rod.stability(fr.AxialLoad(0.3 * FCR, 0.0, 10.0, noise=2.0 * 0.005 * 0.45**2))
+    assert damping == pytest.approx(even.damping_to_stabilise, rel=0.1)
+    for factor, grows in ((0.99, True), (1.01, False)):
+        damped = rod.replace(damping_rate=factor * damping).stability(verdict.load)
+        assert (damped.growth_rate > 0.0) == grows
+    text = str(verdict.report(margins=verdict.margins(seconds=0.1)))
+    assert f"no mode grows in mean square with every damping_rate tried above {damping:.6g} 1/s" in text
+    assert "and may be larger, as noise at times takes all stiffness of a mode" in text
