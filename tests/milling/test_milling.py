@@ -227,7 +227,8 @@ def test_names_in_a_chart_of_lobes_are_led_to_the_least_depths_of_the_widest(see
         owners = [
             lobe
             for lobe in lobes.lobes
-            if f"{lobe.kind} {lobe.number}" == text.get_text() and rpm * lobe.speeds[0] <= x <= rpm * lobe.speeds[1]
+            if f"{lobe.kind} {lobe.number}" == text.get_text()
+            and rpm * lobe.speeds[0] * (1.0 - 1e-12) <= x <= rpm * lobe.speeds[1] * (1.0 + 1e-12)
         ]
         assert len(owners) == 1
         assert y == pytest.approx(1e3 * owners[0].depth)
