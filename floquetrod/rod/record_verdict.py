@@ -93,7 +93,8 @@ def record_verdict(
         if verdict.status == "stable" and fastest > growth_tolerance:
             counted = f"{counted}, under which the rod grows at up to {fastest:.2g} 1/s"
         remedies = [_LONGER, _one_density(fit)] if fit.noise else [_LONGER]
-        note = "; ".join(filter(None, [note, counted, *remedies]))
+        by_mean = _by_mean(model, record, chosen, growth_tolerance, code)
+        note = "; ".join(filter(None, [note, counted, by_mean, *remedies]))
         doubts.append("forces within the errors of the fit have another verdict")
     elif 0.0 < abs(fit_growth - growth_tolerance) <= noise + _error_towards_another(verdict):
         doubts.append("the noise in the record makes the growth rate too uncertain")
@@ -131,6 +132,18 @@ def _error_towards_another(verdict: RodStability) -> float:
             return verdict.error
         case _:
             return 0.0
+
+
+def _by_mean(model: ModeModel, record: LoadSource, modes: Sequence[int] | None, tolerance: float, code: int) -> str:
+    """Return that the error of the mean force alone changes the verdict, "" where it does not."""
+    load, off = record.load, 2.0 * record._mean_error
+    ends = [replace(load, mean=load.mean + way * off) for way in (-1.0, 1.0)]
+    if not off or all(_status_and_growth(model, end, modes, tolerance)[0] == code for end in ends):
+        return ""
+    force = AnswerUnits.named(given=load.given_units).force
+    known = f"{force.of(load.mean):.4g} +- {force.show(record._mean_error, 2)}"
+    typed = force.show(load.mean, 4).replace(" ", "")
+    return f"the error of the mean force alone, {known}, leaves that open; a mean that is known decides: --mean {typed}"
 
 
 class _Trial(NamedTuple):

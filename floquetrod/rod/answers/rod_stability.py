@@ -674,7 +674,22 @@ def _undecided(verdict: RodStability) -> str:
         return verdict.undecided_by
     evidence = verdict.evidence
     match evidence:
-        case IndependentEvidence() | NoisyEvidence() | TwoFrequencyEvidence():
+        case TwoFrequencyEvidence():
+            unsure = [
+                row
+                for row in zip(
+                    evidence.mode_growth_rates.tolist(),
+                    evidence.mode_growth_errors.tolist(),
+                    evidence.modes,
+                    evidence.mode_verdicts,
+                    strict=True,
+                )
+                if row[3].status == "undecided"
+            ]
+            rate, error, mode, _ = max(unsure)
+            others = f", and that of {len(unsure) - 1} others is uncertain too" if len(unsure) > 1 else ""
+            return f"growth of mode {mode} is {rate:.3g} +- {error:.1g} 1/s by periodic approximants{others}"
+        case IndependentEvidence() | NoisyEvidence():
             rows: Any = zip(evidence.modes, evidence.mode_verdicts, strict=True)
             modes = [mode for mode, verdict in rows if verdict.status == "undecided"]
             if modes:

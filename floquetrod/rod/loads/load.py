@@ -465,6 +465,11 @@ class LoadSource(ABC):
 
     @property
     @abstractmethod
+    def _mean_error(self) -> float:
+        """Standard error in N of the mean force of the load, 0 where it was not measured."""
+
+    @property
+    @abstractmethod
     def _is_uneven(self) -> bool:
         """Whether what the load leaves of the force is too uneven for the noise of a sensor."""
 

@@ -412,6 +412,10 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
         return residual
 
     @property
+    def _mean_error(self) -> float:
+        return self.mean_error
+
+    @property
     def _is_uneven(self) -> bool:
         density = np.array([band.density for band in self._bands])
         return bool(density.max() > _UNEVEN * float(np.median(density)))
@@ -717,6 +721,10 @@ class ChangedRecord(LoadSource):
     @property
     def _means(self) -> tuple[float, ...]:
         return self.record._means if self.load.mean == self.record.mean else ()
+
+    @property
+    def _mean_error(self) -> float:
+        return self.record.mean_error if self.load.mean == self.record.mean else 0.0
 
     @property
     def _is_uneven(self) -> bool:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import floquetrod as fr
+from floquetrod import units
 from floquetrod.cli.main import main
+from floquetrod.rod.loads.record import ChangedRecord
 from tests.conftest import depth
 
 POUND = 4.4482216152605
@@ -95,6 +98,20 @@ def test_a_mean_that_drifts_across_a_boundary_leaves_it_undecided() -> None:
     assert 955.0 < float(high) / POUND < 966.2
     little = ROD.stability(record(push() + 0.5 * (TIME - 30.0) + white()))
     assert little.status == "stable"
+
+
+def test_an_error_of_the_mean_force_that_leaves_a_verdict_open_is_named() -> None:
+    """A slow wave makes the mean uncertain; a mean that is typed decides."""
+    found = record(push(900.0, 120.0) + 60.0 * np.sin(2.0 * math.pi * TIME / 23.0 + 0.3) + white())
+    verdict = ROD.stability(found)
+    assert verdict.status == "undecided"
+    error = found.mean_error
+    assert f"the error of the mean force alone, {found.mean:.4g} +- {error:.2g} N, leaves that open" in verdict.note
+    ends = [ROD.is_stable(found.load.varied("mean", found.mean + way * 2.0 * error)) for way in (-1.0, 1.0)]
+    assert not all(end == ROD.is_stable(found.load) for end in ends)
+    (typed,) = re.findall(r"--mean (\S+?);", verdict.note)
+    known = ChangedRecord(found, lambda fit: replace(fit, mean=units.quantity(typed, "mean", "force")))
+    assert ROD.stability(known).status != "undecided"
 
 
 @pytest.mark.parametrize(("times", "width"), [(1.0, 0.0), (3.0, 0.8)])
