@@ -214,6 +214,11 @@ class Call(NamedTuple):
     arguments: dict[str, Any]
 
 
+def hardening(t: float, q: Any, velocity: Any) -> Any:
+    """Return a force that a system has beside its linear ones."""
+    return -(q**3)
+
+
 def public() -> set[str]:
     """Return the names of all public callables, methods of the classes above included."""
     names = {name for owner in (fr, fr.results) for name in _callables(owner, owner.__all__)}
@@ -502,7 +507,7 @@ def _of_orbits(place: Path) -> dict[str, Call]:
             {"equations": [-mu * x], "states": [x], "time": None, "parameters": {mu: 1.0}},
         ),
         "NonlinearSystem.from_hill": Call(
-            fr.NonlinearSystem.from_hill, {"system": SYSTEM, "force": lambda t, q, velocity: -(q**3), "period": 2.0}
+            fr.NonlinearSystem.from_hill, {"system": SYSTEM, "force": hardening, "period": 2.0}
         ),
         "follow": Call(fr.follow, {"orbit": orbit, **over}),
         "SpecialPoint.switch": Call(branch.special_points[0].switch, {"side": 1, "distance": 0.1}),
