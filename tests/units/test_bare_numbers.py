@@ -35,7 +35,7 @@ def test_spindle_speeds_are_in_rpm(capsys: pytest.CaptureFixture[str], tmp_path:
     for rpm in np.random.default_rng(1).integers(4000, 25_000, depth(12, 1)).tolist():
         bare, with_unit = (said(capsys, "lobes", path, "--at", text) for text in (str(rpm), f"{rpm}rpm"))
         assert bare == with_unit
-        assert f"at {rpm} rpm it chatters" in bare[0]
+        assert re.search(f"at {rpm} rpm it (chatters|does not chatter at any depth tried)", bare[0])
         assert "tangential 600 N/mm2, radial 200 N/mm2; along x 922 Hz, 1.1 %, 0.03993 kg" in bare[0]
     by_hand = said(capsys, "lobes", path, "--at", f"{5000 * math.pi / 30!r}rad/s", "--json")[0]
     assert json.loads(by_hand)["critical_depth_m"] == pytest.approx(0.408628e-3, rel=1e-5)
