@@ -61,9 +61,9 @@ class QuasiperiodicGrowth(NamedTuple):
     rate : float
         Largest rate of growth per unit of time, the Lyapunov exponent; negative where solutions decay.
     error : float
-        Estimate: twice the change from one fraction to the next, and the error of the exponents; half the distance of
-        two bounds of the growth where these decide that it is below the tolerance; 0 where every solution keeps its
-        norm.
+        Estimate: twice the change from one fraction to the next, and the error of the exponents; the distance to
+        the farther of two bounds of the growth where these decide that it is below the tolerance; 0 where every
+        solution keeps its norm.
     tolerance : float
         Growth per unit of time up to which it counts as none.
     approximants : tuple of (Fraction, float)
@@ -264,11 +264,14 @@ def growth_of_many(
         enough = error[here] < _SHARE * np.maximum(np.abs(rate[here]), tolerance[here]) if precise else True
         decided = np.abs(rate[here] - tolerance[here]) > error[here]
         left[here] &= ~((k >= _DEGREE) & decided & enough & (counted[here, : k + 1].sum(axis=1) > _DEGREE))
-    unsure = np.flatnonzero((rate <= tolerance) & (rate + error > tolerance))
+    unsure = np.flatnonzero(np.abs(rate - tolerance) <= error)
     low, high = _growth_bounds(series, map_errors, unsure, (ratio, first, tolerance), precise)
     low, high = np.fmax(low, rate[unsure] - error[unsure]), np.fmin(high, rate[unsure] + error[unsure])
+    # The rate of approximants stays, between the bounds, unless its error to the farther one would reach the tolerance.
+    near = np.clip(rate[unsure], low, high)
+    near = np.where(near + np.maximum(high - near, near - low) < tolerance[unsure], near, 0.5 * (low + high))
     within = high < tolerance[unsure]
-    rate[unsure[within]], error[unsure[within]] = 0.5 * (low + high)[within], 0.5 * (high - low)[within]
+    rate[unsure[within]], error[unsure[within]] = near[within], np.maximum(high - near, near - low)[within]
     return ManyGrowths(rate, error, tolerance, [f[:n] for f, n in zip(fractions, used, strict=True)], values)
 
 
@@ -449,6 +452,15 @@ def _padded(arrays: Sequence[Floats]) -> Floats:
     return out
 
 
+def _by_shape(series: Sequence[Complexes], places: NDArray[np.intp]) -> dict[tuple[int, ...], list[int]]:
+    """Return, for each shape of the series at some places that are known, which of the places have it."""
+    groups: dict[tuple[int, ...], list[int]] = {}
+    for at, i in enumerate(places.tolist()):
+        if len(series[i]):
+            groups.setdefault(series[i].shape, []).append(at)
+    return groups
+
+
 def _logarithms(
     series: Sequence[Complexes],
     errors: Floats,
@@ -461,11 +473,7 @@ def _logarithms(
     A logarithm is NaN, and its error infinite, where the product is not known.
     """
     logarithms, relative = np.full(places.size, np.nan), np.full(places.size, np.inf)
-    groups: dict[tuple[int, ...], list[int]] = {}
-    for at, i in enumerate(places.tolist()):
-        if len(series[i]):
-            groups.setdefault(series[i].shape, []).append(at)
-    for (_, n, _), members in groups.items():
+    for (_, n, _), members in _by_shape(series, places).items():
         waves = np.array([series[places[at]] for at in members])
         pairs = np.array([[fractions[at].numerator, fractions[at].denominator] for at in members], dtype=float)
         out = np.empty((len(members), n * n + 2))
@@ -497,13 +505,9 @@ def _growth_bounds(
     # mean map is diagonal.  Where the second frequency is weak, r_1 is little more than the largest of its eigenvalues.
     # The fastest of N solutions grows no less than all do on average, log abs(det) / N.
     low, high = np.full(places.size, -np.inf), np.full(places.size, np.inf)
-    groups: dict[tuple[int, ...], list[int]] = {}
-    for place, i in enumerate(places.tolist()):
-        if len(series[i]):
-            groups.setdefault(series[i].shape, []).append(place)
     some = (
         (shape, np.array(group[k : k + _AT_ONCE]))
-        for shape, group in groups.items()
+        for shape, group in _by_shape(series, places).items()
         for k in range(0, len(group), _AT_ONCE)
     )
     for (count, n, _), at in some:

@@ -275,7 +275,8 @@ def _one_density(load: Load) -> str:
     if not isinstance(load.noise, tuple):
         return ""
     hertz, densities = np.array(load.noise).T
-    mean = float(np.trapezoid(densities, hertz)) / float(hertz[-1] - hertz[0]) if hertz.size > 1 else math.nan
+    area = 0.5 * (densities[1:] + densities[:-1]) @ np.diff(hertz)
+    mean = float(area) / float(hertz[-1] - hertz[0]) if hertz.size > 1 else math.nan
     if not (densities.max() < _EVEN * mean < _EVEN**2 * densities.min()):
         return ""
     unit = AnswerUnits.named(given=load.given_units).force.name

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
@@ -219,9 +219,9 @@ class RodStability(Reported, Verdict):
     def decay_rate(self) -> float:
         """Rate in 1/s at which the slowest motion decays, of second moments under noise; 0 where none is known to.
 
-        Independent modes beyond those examined cannot grow but may decay more slowly: these are examined when this is
-        asked, under noise the first 128.  Of coupled modes it is the slowest motion of the modes examined, as all
-        were where the caller chose them.
+        Independent modes beyond those examined cannot grow but may decay more slowly: they are examined when this
+        attribute is read, under noise the first 128.  Where modes are coupled, or the caller chose them, it is the rate
+        of the modes examined.
         """
         known = super().decay_rate
         if self.evidence.shares_growth or not known or math.isinf(self.left_out_bound):
@@ -605,6 +605,9 @@ def damping_lines(verdict: RodStability) -> list[ReportLine]:
     """Return the damping that stabilises, in words; no line where the load is stable with any."""
     if math.isinf(damping := verdict.damping_to_stabilise):
         text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
+        is_sampled = isinstance(verdict.evidence, NoisyEvidence | TwoFrequencyEvidence)
+        if is_sampled and not cast("Any", verdict.model).buckles(verdict.load, verdict.growth_tolerance):
+            text = "every damping_rate tried leaves growth, up to ten times the frequencies of load and rod"
         return [("damping", text)]
     rates = "a damping_rate" if verdict.has_exact_margins else "every damping_rate tried"
     calm = "no mode grows in mean square" if isinstance(verdict.evidence, NoisyEvidence) else "stable"
@@ -675,20 +678,13 @@ def _undecided(verdict: RodStability) -> str:
     evidence = verdict.evidence
     match evidence:
         case TwoFrequencyEvidence():
-            unsure = [
-                row
-                for row in zip(
-                    evidence.mode_growth_rates.tolist(),
-                    evidence.mode_growth_errors.tolist(),
-                    evidence.modes,
-                    evidence.mode_verdicts,
-                    strict=True,
-                )
-                if row[3].status == "undecided"
-            ]
-            rate, error, mode, _ = max(unsure)
+            unsure = [i for i, growth in enumerate(evidence.mode_verdicts) if growth.status == "undecided"]
+            i = max(unsure, key=evidence.mode_growth_rates.item)
+            rate, error = evidence.mode_growth_rates[i], evidence.mode_growth_errors[i]
             others = f", and that of {len(unsure) - 1} others is uncertain too" if len(unsure) > 1 else ""
-            return f"growth of mode {mode} is {rate:.3g} +- {error:.1g} 1/s by periodic approximants{others}"
+            return (
+                f"growth of mode {evidence.modes[i]} is {rate:.3g} +- {error:.1g} 1/s by periodic approximants{others}"
+            )
         case IndependentEvidence() | NoisyEvidence():
             rows: Any = zip(evidence.modes, evidence.mode_verdicts, strict=True)
             modes = [mode for mode, verdict in rows if verdict.status == "undecided"]

@@ -131,7 +131,7 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     noise : float
         Root mean square in N of the residual of the fit.
     second : tuple of float or None
-        The second sine fitted: amplitude in N, frequency in rad/s, phase in rad at time 0; None where not asked for.
+        The second sine fitted: amplitude in N, frequency in rad/s, phase in rad at time 0; None where none is fitted.
     second_errors : tuple of float or None
         Standard errors of its amplitude in N and of its frequency in rad/s.
     note : str

@@ -376,6 +376,12 @@ class Spectrum(NamedTuple):
         place = np.rint(np.asarray(frequency) / self.step).astype(int) - 1
         return np.where(place < self.power.size, self.power[np.clip(place, 0, self.power.size - 1)], 0.0)
 
+    @property
+    def apart(self) -> tuple[Floats, Floats]:
+        """The frequencies that the record tells apart, and the power there."""
+        power = self.power[min(_PADDING, self.power.size) - 1 :: _PADDING]
+        return np.asarray(self.step * _PADDING * np.arange(1, power.size + 1), dtype=float), power
+
     def within(self, low: float, high: float) -> slice:
         """Return where the frequencies lie between two others."""
         return slice(max(0, math.floor(low / self.step)), max(0, math.ceil(high / self.step) - 1))
@@ -432,8 +438,7 @@ def even_bands(found: Spectrum) -> Iterator[EvenBand]:
     spectrum has.
     """
     # At frequencies that the record tells apart the powers of even noise are independent and exponential.
-    power = found.power[min(_PADDING, found.power.size) - 1 :: _PADDING]
-    at = found.step * _PADDING * np.arange(1, power.size + 1)
+    at, power = found.apart
     whole, first, left = power.size, 0, [power]
     while left:
         power = left.pop()
@@ -453,8 +458,7 @@ def fine_bands(found: Spectrum) -> Iterator[tuple[float, float]]:
 
     They overlap, so that about every frequency there is one.
     """
-    power = found.power[min(_PADDING, found.power.size) - 1 :: _PADDING]
-    at = found.step * _PADDING * np.arange(1, power.size + 1)
+    at, power = found.apart
     step = max(IN_A_FINE_BAND // 4, math.ceil(power.size / _FINE))
     width = min(power.size, max(IN_A_FINE_BAND, 2 * step))
     whole = np.concatenate([[0.0], np.cumsum(power)])

@@ -233,7 +233,8 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
         try:
             found = rod.critical("noise", force, growth_tolerance=tolerance)
         except ValueError as error:
-            assert re.search("stable without noise|leaves the wall", str(error))  # noqa: PT017
+            if not re.search("stable without noise|leaves the wall", str(error)):
+                raise
             continue
         if math.isinf(found):
             assert "no critical noise" in repr(found)

@@ -188,3 +188,13 @@ def test_kinds_that_two_frequencies_do_not_answer_say_so_of_coupled_modes() -> N
         CLAMPED.modal_system(TWO)
     with pytest.raises(ValueError, match="leave the string on one side of its wall"):
         ROD.replace(curvature=-0.5).stability(TWO)
+
+
+def test_what_approximants_leave_open_is_no_difference_between_numbers_of_modes() -> None:
+    """Next to a ratio of 2, where bounds decide: one status of a load and an array, one rate with fewer modes."""
+    rod = ROD.replace(radius=3.75e-4, damping_rate=1.0, curvature=0.02)
+    load = fr.AxialLoad(0.1307, 0.0163, 300.0, second=(0.0017, 600.03))
+    verdict = rod.stability(load)
+    assert (verdict.status, int(rod.verdicts(load))) == ("stable", 1)
+    (_, fewer), (_, rate) = verdict.convergence
+    assert fewer == pytest.approx(rate, abs=1e-9) == -1.0
