@@ -3,6 +3,11 @@
 x' = (A(t) + G d.z) x with z' = F z + b xi.  Of the Hermite functions h_a of the filter's states, scaled to be
 independent and of variance one, the moments M_a = E[x x^T h_a] obey a linear periodic system in which each asks for one
 of higher order.  Those beyond an order are left out, and a higher order tells what that does (page `theory/noise`).
+
+Low orders do not see noise that stays far from its mean.  With the density S0 of d.z at the frequency 0, staying at f
+costs f^2 / 2 S0 per unit of time (Schilder's theorem, in the limit of slow noise): second moments grow about as fast as
+the largest r(f) - f^2 / 2 S0, r the growth of second moments under A(t) + f G without noise.  A sine of amplitude f
+costs half as much of the density at its frequency.
 """
 
 from __future__ import annotations
@@ -27,6 +32,8 @@ _MOST_SECONDS = 20.0  # of one order, estimated (a choice)
 _MOST = 400  # moments of one truncation (a choice): a second or so
 _FIRST, _STEP = 4, 2  # orders that are tried (a choice)
 _FACTOR = 3.0  # error of a truncation over the change from the one before (a choice)
+_HELD = np.geomspace(1e-3, 1.0, 40)  # values of the noise that are tried, over the largest that may matter (a choice)
+_SEEN = 0.05  # of the growth under noise that stays, which a truncation may fall short of and have it (a choice)
 
 
 class FilteredGrowth(NamedTuple):
@@ -37,7 +44,8 @@ class FilteredGrowth(NamedTuple):
     rate : float
         Growth rate of the second moments per unit of time, negative where they decay.
     error : float
-        Estimate: three times the change from the next lower order, and the error of the exponent.
+        Estimate: three times the change from the next lower order, and the error of the exponent; no less than what
+        noise that stays away from its mean may add.
     order : int
         Highest order of Hermite functions kept.
     """
@@ -103,12 +111,16 @@ def filtered_growth(
         raise ValueError(f"matrix must be one matrix, got shape {noise.matrix.shape}")
     turned, through = _normal(*_filter(filter))
     rates: list[tuple[int, float, float]] = []
+    held = _growth_of_held(subject, noise.matrix, *_filter(filter))
+    seen = held - _SEEN * abs(held)
     for order in range(_FIRST, most + 1, _STEP):
         size = math.comb(order + len(through), order) * subject.order * (subject.order + 1) // 2
         if size > _MOST:
             break
         moments = _hierarchy(subject, noise.matrix, turned, through, order)
         seconds = seconds_needed(by_pieces.of_batch(moments))[0]
+        if not seconds <= _MOST_SECONDS and len(rates) > 1:
+            break
         if not seconds <= _MOST_SECONDS:
             raise ValueError(
                 f"matrix and filter must be such that one period of the system can be computed in {_MOST_SECONDS:g} s, "
@@ -117,15 +129,43 @@ def filtered_growth(
                 "matrix is"
             )
         verdict = run("monodromy", moments)
-        if not verdict.exponents:
+        if not verdict.exponents or not math.isfinite(verdict.exponents[0].real):
             break
         rates.append((order, verdict.exponents[0].real, verdict.exponent_errors[0]))
-        if len(rates) > 1 and abs(rates[-1][1] - rates[-2][1]) <= accuracy:
+        if len(rates) > 1 and abs(rates[-1][1] - rates[-2][1]) <= accuracy and rates[-1][1] >= seen:
             break
     if len(rates) < 2:
         raise ValueError(f"system must be smaller: with this filter it has more than {_MOST} moments at order 6")
     order, rate, error = rates[-1]
-    return FilteredGrowth(rate, _FACTOR * abs(rate - rates[-2][1]) + error, order)
+    error += _FACTOR * abs(rate - rates[-2][1])
+    return FilteredGrowth(rate, error if rate >= seen else max(error, held - rate), order)
+
+
+def _growth_of_held(system: PeriodicSystem, matrix: Floats, f: Floats, b: Floats, d: Floats) -> float:
+    """Return the largest growth of second moments under noise that stays at one value, less what staying costs.
+
+    Of a constant system also under noise that stays a sine, of a frequency at which the filter resonates.
+    """
+    # Moments grow at most at twice the norm of the matrix: beyond 4 S |G| staying costs more than it brings.
+    constant = not (system.pieces or any(part.any() for part in (*system.cosines, *system.sines)))
+    resonant = sorted({float(each) for each in np.linalg.eigvals(f).imag if each > 0.0}) if constant else []
+    best, norm = -math.inf, float(np.linalg.norm(matrix, 2))
+    for w in (0.0, *resonant):
+        density = abs(complex(d @ np.linalg.solve(1j * w * np.eye(len(f)) - f, b))) ** 2 * (2.0 if w else 1.0)
+        farthest = 4.0 * density * norm
+        if not 0.0 < farthest < math.inf:
+            continue
+        for value in (farthest * np.concatenate([_HELD] if w else [-_HELD, _HELD])).tolist():
+            held = value * matrix
+            verdict = run(
+                "monodromy",
+                PeriodicSystem(system.mean, [held], period=math.tau / w)
+                if w
+                else by_pieces.mapped(PeriodicSystem, system, held.__add__),
+            )
+            if verdict.exponents:
+                best = max(best, 2.0 * verdict.exponents[0].real - value**2 / (2.0 * density))
+    return best
 
 
 def _filter(given: Any) -> tuple[Floats, Floats, Floats]:

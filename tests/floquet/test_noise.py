@@ -339,6 +339,19 @@ def test_fast_noise_is_white_and_noise_in_a_band_acts_by_its_density_at_twice_th
     assert band[1.0] < band[2.0] - 0.02
 
 
+def test_growth_that_rare_noise_makes_is_not_passed_over() -> None:
+    """Orders up to 8 agree on 0.00058; noise of five root mean squares, which lasts, buckles the oscillator."""
+    found = fr.filtered_growth(fr.HillSystem([[1.0]]), ONE, ([[-0.05]], [math.sqrt(0.1)], [0.2]), most=38)
+    assert abs(found.rate - 0.765056) < 1e-4
+    few = fr.filtered_growth(fr.HillSystem([[1.0]]), ONE, ([[-0.05]], [math.sqrt(0.1)], [0.2]), most=8)
+    assert few.rate < 1e-3
+    assert few.rate + few.error > 0.76
+    assert few.status == "undecided"
+    w, half, rms = 1.815, 0.0045, 0.07  # a sine beside twice the frequency, which reaches it when it is large
+    band = [[0.0, 1.0], [-(w**2), -2.0 * half]], [0.0, 1.0], [rms * math.sqrt(4.0 * half) * w, 0.0]
+    assert fr.filtered_growth(mathieu(1.0, 0.0, 0.0043), ONE, band, most=6).status == "undecided"
+
+
 @pytest.mark.parametrize(
     ("filter_", "kind", "says"),
     [
