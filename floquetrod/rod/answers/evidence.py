@@ -153,8 +153,8 @@ class NoisyEvidence(_ModeByMode):
     limit : float
         Growth in 1/s that high modes approach in mean square.
     growth_errors : tuple of float
-        How much less and how much more than the growth rate the growth may be, in 1/s; the second is infinite where
-        noise at times takes all stiffness of a mode.
+        How much less and how much more than the growth rate the growth may be, in 1/s: estimates where the noise is
+        uneven about twice the frequency of a mode, or slower.
     """
 
     kind: ClassVar[str] = "modes under noise"

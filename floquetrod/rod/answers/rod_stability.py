@@ -64,6 +64,7 @@ _OF_ONE_KIND = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole",
 _QUICK_SHAPE = 150  # functions of coupled modes up to which a report finds the shape, in about two seconds
 _QUICK_VERDICT = 0.05  # s, of two frequencies: some hundred verdicts for all margins
 _LISTED_RESONANCES = 10  # in a report, the fastest
+_UNEVEN = 0.01  # of a growth rate, an error beyond which the two ends are given (a choice)
 _LISTED_MODES = 5  # in a report besides the modes that grow: those next to growth
 
 
@@ -763,12 +764,10 @@ def _method(verdict: RodStability) -> str:
         case NoisyEvidence():
             methods = ", ".join(sorted({mode_verdict.method for mode_verdict in evidence.mode_verdicts}))
             less, more = evidence.growth_errors
-            if math.isinf(more) and verdict.status == "unstable":
-                known = f"good to {less:.0e} 1/s downwards" if math.isfinite(less) else "an estimate"
-                return (
-                    f"second moments, {methods}; growth is {known}, and may be larger, as noise at times takes all "
-                    "stiffness of a mode"
-                )
+            rate = verdict.growth_rate
+            if max(less, more) > _UNEVEN * rate > 0.0 and verdict.status == "unstable":
+                known = f"from {max(0.0, rate - less):.3g} to {rate + more:.3g} 1/s, estimated"
+                return f"second moments, {methods}; growth {known}, as the noise is uneven or slow"
             return f"second moments, {methods}; growth good to {error} 1/s"
         case CoupledEvidence():
             method = f"{evidence.whole.method}, {verdict.cost}"

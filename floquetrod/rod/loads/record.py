@@ -69,7 +69,7 @@ class Band(NamedTuple):
 
     @property
     def places(self) -> tuple[float, ...]:
-        """Frequencies in Hz at which the density stands for the band: its ends, of the narrowest bands the middle.
+        """Frequencies in Hz at which the density stands for the band, its ends; of the narrowest bands the middle.
 
         In these it may change as it does from one to the next.
         """

@@ -21,26 +21,68 @@ from floquetrod.rod.loads.load import Noise, density_at
 _TOGETHER = 3.0 * math.sqrt(2.0) / math.pi  # half-width in Hz of the tongue, over g sqrt(V) (a choice: three times)
 _DISTANCES = np.geomspace(1e-4, 1.0, 64)  # d over the highest frequency of the noise (a choice)
 _EVEN = 1e-3  # difference of densities, relative to the density, that is none (a choice)
+_PAIRS = 65  # frequencies of an integral (a choice)
 _AT_ONCE = 1 << 13  # frequencies
 
 
 class Densities(NamedTuple):
-    """Least and largest density in N^2/Hz, and the distance in Hz within which the largest is found.
-
-    With the root mean square in N of the noise up to four times the mode's frequency, 0 of white noise.
-    """
+    """Least and largest density in N^2/Hz, and the distance in Hz within which the largest is found."""
 
     least: Floats
     most: Floats
     distance: Floats
-    rms: Floats
+
+
+class Excess(NamedTuple):
+    """What exceeds the density of noise at twice the frequency of a mode, below it.
+
+    Attributes
+    ----------
+    variance : ndarray
+        Of the force in N^2.
+    density : ndarray
+        Largest density in N^2/Hz with which the force stays away from its mean.
+    pairs : ndarray
+        Integral in N^4/Hz^5 of S(v) S(2 f - v) / (v (2 f - v))^2 over v about f, f the frequency of the mode, less what
+        white noise of the density at 2 f has.
+    """
+
+    variance: Floats
+    density: Floats
+    pairs: Floats
+
+
+def excess_below(noise: Noise, hertz: Floats) -> Excess:
+    """Return by how much the density of noise below frequencies in Hz exceeds that at them."""
+    if not isinstance(noise, tuple):
+        return Excess(*np.zeros((3, *np.shape(hertz))))
+    flat = np.ravel(hertz)
+    blocks = [_excess(noise, flat[start : start + _AT_ONCE]) for start in range(0, flat.size, _AT_ONCE)]
+    return Excess(*(np.concatenate(each).reshape(np.shape(hertz)) for each in zip(*blocks, strict=True)))
+
+
+def _excess(noise: tuple[tuple[float, float], ...], hertz: Floats) -> Excess:
+    """Return the excess below flat frequencies, by trapezoids, which are above a part that begins between places."""
+    at, own = np.array([0.0, *(pair[0] for pair in noise if pair[0] > 0.0)]), density_at(noise, hertz)
+    below = np.minimum(at, hertz[:, None])
+    over = np.maximum(0.0, density_at(noise, below) - own[:, None])
+    variance = (0.5 * np.diff(below, axis=1) * (over[:, 1:] + over[:, :-1])).sum(axis=1)
+    # A force that stays at F takes F^2 / S of the probability per unit of time, a slow sine of the amplitude F twice as
+    # much in a narrow band; it is not slow beside the mode from a quarter of 2 f on.
+    density = np.where(below <= 0.25 * hertz[:, None], over, 0.5 * over).max(axis=1)
+    v = hertz[:, None] * np.linspace(0.25, 0.5, _PAIRS)
+    other = hertz[:, None] - v
+    product = density_at(noise, v) * density_at(noise, other) - np.square(own)[:, None]
+    weight = np.square(np.maximum(v * other, np.finfo(float).tiny))
+    pairs = np.asarray(2.0 * np.trapezoid(np.maximum(0.0, product) / weight, v, axis=1))
+    return Excess(variance, density, pairs)
 
 
 def densities_about(noise: Noise, hertz: Floats, gain: Floats) -> Densities:
     """Return between which densities noise acts on modes, from frequencies 2 f in Hz and g in 1/(N s), of one shape."""
     if not isinstance(noise, tuple):
         density = density_at(noise, hertz)
-        return Densities(density, density, *np.zeros((2, *density.shape)))
+        return Densities(density, density, np.zeros_like(density))
     flat = [np.ravel(each) for each in np.broadcast_arrays(hertz, gain)]
     blocks = range(0, flat[0].size, _AT_ONCE)
     found = [_about(noise, *(each[start : start + _AT_ONCE] for each in flat)) for start in blocks]
@@ -69,5 +111,4 @@ def _about(noise: tuple[tuple[float, float], ...], hertz: Floats, gain: Floats) 
     place = mean.argmax(axis=1)
     least, most = mean.min(axis=1), mean[np.arange(hertz.size), place]
     least, most = (np.where(np.abs(each - own) > _EVEN * own, each, own) for each in (least, most))
-    rms = np.sqrt(mean_square(2.0 * hertz))
-    return Densities(np.minimum(least, own), np.maximum(most, own), distance[place], rms)
+    return Densities(np.minimum(least, own), np.maximum(most, own), distance[place])

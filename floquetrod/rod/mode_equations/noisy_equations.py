@@ -29,12 +29,11 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import EPS, Bools, Floats, Ints
 from floquetrod.equations import HillSystem, SecondMoments, second_moments
 from floquetrod.rod.loads.load import Load, Loads, density_at, largest_density
-from floquetrod.rod.mode_equations.narrow_noise import Densities, densities_about
+from floquetrod.rod.mode_equations.narrow_noise import Densities, Excess, densities_about, excess_below
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, ModeConstants
 
 _SINGLE = 64  # modes each with a bound of its own (a choice)
 _WIDER = 1.125  # numbers of modes at both ends of a block of higher ones (a choice)
-_MOST_IN_REACH = 512  # modes that noise in a band acts on, at most (a choice)
 _EXAMINED = 128  # modes at most that a growth rate needs, the rest of which is in its error (a choice)
 _NEGLIGIBLE = 1e-10  # growth beside that of others, in terms of damping and of the limit of high modes (a choice)
 _NEWTON = 12  # steps
@@ -48,7 +47,8 @@ IN_MEAN_SQUARE = (
 ASSUMED = (
     IN_MEAN_SQUARE,
     "the random force acts on each mode as white noise of its density at twice the mode's frequency (Ito's sense and "
-    "Stratonovich's are the same); where it is uneven there the growth is known between two rates",
+    "Stratonovich's are the same); where it is uneven there, or slow noise changes the stiffness, the growth is known "
+    "between two rates",
 )
 """What is assumed of noise."""
 
@@ -97,6 +97,25 @@ class ModeCoefficients(NamedTuple):
         """Twice the frequencies of the modes in Hz, 0 of those that buckle."""
         return np.asarray(np.sqrt(np.maximum(self.squared, 0.0)) / math.pi)
 
+    @property
+    def reference(self) -> Floats:
+        """Twice the frequencies in Hz, of modes that buckle twice their growth over 2 pi."""
+        return np.asarray(np.sqrt(np.abs(self.squared)) / math.pi)
+
+    def some(self, at: tuple[Ints, Ints]) -> ModeCoefficients:
+        """Return the coefficients of some modes under some loads, (n, 1)."""
+
+        def each(values: Any) -> Any:
+            return np.broadcast_to(values, self.squared.shape)[at][:, None]
+
+        return self._replace(
+            squared=each(self.squared),
+            waves=tuple(each(wave) for wave in self.waves),
+            frequency=each(self.frequency),
+            intensity=each(self.intensity),
+            per_newton=each(self.per_newton),
+        )
+
     def with_density(self, density: Floats) -> ModeCoefficients:
         """Return the equations with a density in N^2/Hz at twice the frequency of each mode."""
         return self._replace(intensity=np.abs(self.per_newton) * np.sqrt(0.5 * density))
@@ -105,7 +124,7 @@ class ModeCoefficients(NamedTuple):
     def growth_bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper bound of the growth of second moments in 1/s, -2 c and infinite where none is known."""
         noise, c = np.square(self.intensity), self.damping
-        sizes = [self._size(power) for power in range(4)]
+        sizes = [self.sizes(power) for power in range(4)]
         mean_square = 0.5 * np.asarray(sum(np.square(np.abs(wave)) for wave in self.waves))
         e = _excess(self.squared - c * c, noise)
         center = self.squared - c * c + e * e
@@ -119,7 +138,7 @@ class ModeCoefficients(NamedTuple):
         )
         return np.where(held, np.maximum(low, -2.0 * c), -2.0 * c), np.where(held, high, np.inf)
 
-    def _size(self, power: int) -> Floats:
+    def sizes(self, power: int) -> Floats:
         """Return a bound of a derivative of p."""
         turns = ((k * self.frequency) ** power * np.abs(wave) for k, wave in enumerate(self.waves, start=1))
         found: Any = sum(turns, np.zeros_like(self.squared))
@@ -132,22 +151,26 @@ class ModeCoefficients(NamedTuple):
             return np.full_like(self.squared, self.unit)
         return np.asarray(np.sqrt(np.maximum(np.abs(self.squared), 1e-12 * np.square(self.frequency))))
 
-    def moments(self, chosen: Bools) -> SecondMoments:
-        """Return the second moments of some modes as a batch, in the order of C, in units of time in which w is 1."""
-
-        def each(values: Any, power: int) -> Floats:
-            unit = np.broadcast_to(self.rate, chosen.shape)[chosen]
-            return np.asarray(np.broadcast_to(values, chosen.shape)[chosen] / unit**power)
-
-        waves = [each(wave, 2)[:, None, None] for wave in self.waves]
-        system = HillSystem(
-            each(self.squared, 2)[:, None, None],
+    def system(self, chosen: Bools) -> HillSystem:
+        """Return some modes without noise as a batch, in the order of C, in units of time in which w is 1."""
+        waves = [self._each(wave, 2, chosen)[:, None, None] for wave in self.waves]
+        return HillSystem(
+            self._each(self.squared, 2, chosen)[:, None, None],
             [wave.real for wave in waves],
             [-wave.imag for wave in waves],
-            damping=2.0 * each(self.damping, 1)[:, None, None],
-            period=2.0 * math.pi / each(self.frequency, 1),
+            damping=2.0 * self._each(self.damping, 1, chosen)[:, None, None],
+            period=2.0 * math.pi / self._each(self.frequency, 1, chosen),
         )
-        return second_moments(system, [([[1.0]], each(self.intensity, 1) * np.sqrt(each(1.0, 1)))])
+
+    def moments(self, chosen: Bools) -> SecondMoments:
+        """Return the second moments of the same modes, in the same units."""
+        intensity = self._each(self.intensity, 1, chosen) * np.sqrt(self._each(1.0, 1, chosen))
+        return second_moments(self.system(chosen), [([[1.0]], intensity)])
+
+    def _each(self, values: Any, power: int, chosen: Bools) -> Floats:
+        """Return values of some modes over a power of the unit of their rates."""
+        unit = np.broadcast_to(self.rate, chosen.shape)[chosen]
+        return np.asarray(np.broadcast_to(values, chosen.shape)[chosen] / unit**power)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,14 +205,9 @@ class NoisyModes:
         gain = np.divide(0.25 * np.abs(parts.per_newton), w, out=np.zeros_like(w), where=w > 0.0)
         return densities_about(self.template.noise, parts.hertz, gain)
 
-    def in_reach(self, loads: Loads) -> Ints:
-        """Return the numbers of the modes that noise in a band may act on, those up to twice its highest frequency."""
-        if not isinstance(self.template.noise, tuple):
-            return np.zeros(0, dtype=np.int64)
-        numbers = np.arange(1, _MOST_IN_REACH + 1)
-        largest = Loads((1,), *(np.array([values.max()]) for values in loads.flat))
-        slowest = self.parts(largest, numbers).hertz[0]
-        return np.asarray(numbers[slowest <= 2.0 * self.template.noise[-1][0]])
+    def excess(self, parts: ModeCoefficients) -> Excess:
+        """Return by how much noise below twice the frequencies of modes exceeds that there, (loads, modes)."""
+        return excess_below(self.template.noise, parts.reference)
 
     def limit(self) -> float:
         """Return the growth in 1/s that high modes approach, -2 c where the density ends."""
@@ -345,6 +363,11 @@ class GrowthBounds(NamedTuple):
         """Return after how many modes, one at least, none grows faster, for each load; more than all where some may."""
         slow = self.beyond <= growth[:, None]
         return np.maximum(1, np.where(slow.any(axis=1), _EVERY[slow.argmax(axis=1)] - 1, MOST_MODES + 1))
+
+
+def growth_of_white_noise(least: Floats, noise: Floats) -> Floats:
+    """Return the growth of second moments 2 e without damping and vibration, from w^2 and s^2."""
+    return 2.0 * _excess(least, noise)
 
 
 def _excess(least: Floats, noise: Floats) -> Floats:

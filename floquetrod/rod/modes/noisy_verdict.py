@@ -29,6 +29,7 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.sampled_model import SampledModel
+from floquetrod.rod.modes.slow_noise import growth_as_stiffness_drifts, may_grow_as_stiffness_drifts
 from floquetrod.units import AnswerUnits
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
-_LARGE = 5.0  # root mean squares of the noise, rare sizes of which make growth in mean square (a choice)
+_MOST_IN_REACH = 512  # modes that noise in a band may make grow, at most (a choice)
 _AT_ONCE = 1 << 11  # loads that are judged at once (a choice)
 _STEP = 16  # modes that are examined before the bounds on others are asked again, then twice as many (a choice)
 _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
@@ -218,7 +219,7 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
         lost[going] |= np.isnan(rates).any(axis=1)
         rates = np.where(np.isnan(rates), low, rates)
         grows[going] |= ((status == UNSTABLE) & ~tolerated(rates, growth_tolerance)).any(axis=1)
-        least = _with_least_noise(modes, parts, status, rates, workers)
+        least = _with_least_noise(modes, parts, status, rates, growth_tolerance, workers)
         firm[going] |= ((status == UNSTABLE) & (least > growth_tolerance)).any(axis=1)
         unsure[going] |= (status == UNDECIDED).any(axis=1)
         most, where = rates.max(axis=1), rates.argmax(axis=1)
@@ -228,68 +229,90 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
         last[going] = bounds.some(going).modes_needed(np.maximum(best, bounds.least)[going], growth_tolerance)
         first, step = first + step, 2 * step
     unsure |= bounds.left_out(examined) > growth_tolerance
-    unsure |= _with_most_noise(modes, loads, growth_tolerance, workers).growth > growth_tolerance
+    left = np.flatnonzero(~(grows & firm))  # nothing that is uneven or slow makes these stable
+    unsure[left] |= _with_most_noise(modes, loads.some(left), growth_tolerance, workers).growth > growth_tolerance
     status = np.where(grows & firm, UNSTABLE, np.where(grows | unsure, UNDECIDED, STABLE)).astype(np.int8)
     growth = np.where(lost, np.nan, np.maximum(best, 0.0))
     return Answers(status, growth, np.where(best > 0.0, fastest, 0))
 
 
 def _with_least_noise(
-    modes: NoisyModes, parts: ModeCoefficients, status: Any, rates: Floats, workers: int | None
+    modes: NoisyModes, parts: ModeCoefficients, status: Any, rates: Floats, growth_tolerance: float, workers: int | None
 ) -> Floats:
-    """Return the growth in 1/s of modes that grow under the least density with which their noise may act."""
-    if not (isinstance(modes.template.noise, tuple) and (status == UNSTABLE).any()):
+    """Return the least growth in 1/s of modes that grow, as their noise is uneven or slow."""
+    growing = status == UNSTABLE
+    if not (isinstance(modes.template.noise, tuple) and growing.any()):
         return rates
     least = parts.with_density(modes.densities(parts).least)
-    chosen = (status == UNSTABLE) & (least.intensity < parts.intensity)
+    chosen = growing & (least.intensity < parts.intensity)
     found = rates.copy()
     found[chosen] = np.fmin(rates[chosen], _rates(least, chosen, workers).growth)
-    return found
+    return np.fmin(found, _as_stiffness_drifts(modes, parts, growth_tolerance, growing, workers))
+
+
+def _as_stiffness_drifts(
+    modes: NoisyModes, parts: ModeCoefficients, growth_tolerance: float, chosen: Bools, workers: int | None
+) -> Floats:
+    """Return the growth in 1/s of chosen modes as their stiffness drifts with slow noise, NaN where none grows."""
+    return growth_as_stiffness_drifts(
+        parts, modes.excess(parts), modes.template.noise, growth_tolerance, chosen, workers
+    )
 
 
 class _Strongest(NamedTuple):
-    """Growth in 1/s of the mode that may grow fastest as its noise is uneven, for each load; -inf where none grows.
+    """Growth in 1/s of the mode that may grow fastest as its noise is uneven or slow, for each load; -inf: none grows.
 
     Its number, twice its frequency in Hz, the distance in Hz from there within which the noise acts together, and the
-    root mean square in N of the noise below twice that frequency.  Infinite growth: noise that takes all stiffness.
+    root mean square in N of slow noise that makes the growth, 0 where uneven noise does.
     """
 
     growth: Floats
     mode: Ints
     hertz: Floats
     distance: Floats
-    rms: Floats
+    slow: Floats
 
 
 def _with_most_noise(
     modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None, numbers: Ints | None = None
 ) -> _Strongest:
-    """Return growth beyond a tolerance of the ``numbers``, by default of all modes, under the largest density.
+    """Return growth beyond a tolerance of the ``numbers``, by default of all modes, as their noise is uneven or slow.
 
-    That is of modes alone with which noise acts that is uneven about twice their frequency.
+    That is under the largest density with which noise may act that is uneven about twice their frequency, or as their
+    stiffness drifts.
     """
-    numbers = modes.in_reach(loads) if numbers is None else numbers
-    if not numbers.size:
+    numbers = _in_reach(modes, loads, growth_tolerance) if numbers is None else numbers
+    if not (numbers.size and loads.size):
         return _Strongest(np.full(loads.size, -np.inf), *np.zeros((4, loads.size)))
     parts = modes.parts(loads, numbers)
     densities = modes.densities(parts)
     most = parts.with_density(densities.most)
     high = most.growth_bounds[1]
     chosen = (most.intensity > parts.intensity) & (high > growth_tolerance)
-    growth = np.full(chosen.shape, -np.inf)
+    uneven = np.full(chosen.shape, -np.inf)
     if chosen.any():
-        growth[chosen] = np.fmin(np.nan_to_num(_rates(most, chosen, workers).growth, nan=np.inf), high[chosen])
-    growth = np.where(tolerated(growth, growth_tolerance), -np.inf, growth)
-    is_strong = _LARGE * np.abs(parts.per_newton) * densities.rms > np.maximum(parts.squared, 0.0)
-    growth = np.where(is_strong & (parts.squared > 0.0), np.inf, growth)  # a mode that buckles is unstable as it is
+        uneven[chosen] = np.fmin(np.nan_to_num(_rates(most, chosen, workers).growth, nan=np.inf), high[chosen])
+    drifting = _as_stiffness_drifts(modes, parts, growth_tolerance, np.ones(chosen.shape, np.bool_), workers)
+    growth = np.fmax(uneven, drifting)
+    growth = np.where((growth > growth_tolerance) & ~tolerated(growth, growth_tolerance), growth, -np.inf)
     place, rows = growth.argmax(axis=1), np.arange(loads.size)
-    return _Strongest(
-        growth[rows, place],
-        numbers[place],
-        parts.hertz[rows, place],
-        densities.distance[rows, place],
-        densities.rms[rows, place],
-    )
+    at = rows, place
+    slow = np.where(uneven[at] > growth_tolerance, 0.0, np.sqrt(modes.excess(parts).variance[at]))
+    return _Strongest(growth[at], numbers[place], parts.reference[at], densities.distance[at], slow)
+
+
+def _in_reach(modes: NoisyModes, loads: Loads, growth_tolerance: float) -> Ints:
+    """Return the numbers of the modes that uneven or slow noise may make grow.
+
+    Those up to twice the highest frequency of the noise, and those that a bound lets grow as their stiffness drifts.
+    """
+    noise, numbers = modes.template.noise, np.arange(1, _MOST_IN_REACH + 1)
+    if not isinstance(noise, tuple) or not loads.size:
+        return numbers[:0]
+    largest = Loads((1,), *(np.array([values.max()]) for values in loads.flat))
+    parts = modes.parts(largest, numbers)
+    drifts = may_grow_as_stiffness_drifts(parts, modes.excess(parts), noise, growth_tolerance)[0]
+    return np.asarray(numbers[(parts.hertz[0] <= 2.0 * noise[-1][0]) | drifts])
 
 
 def _rates(parts: ModeCoefficients, chosen: Bools, workers: int | None) -> ManyVerdicts:
@@ -366,37 +389,34 @@ def classify_noisy(
 def _under_uneven_noise(
     examined: _Examined, status: Status, limit: float, growth_tolerance: float, chosen: tuple[int, ...] | None
 ) -> tuple[Status, tuple[float, float], str]:
-    """Return the verdict where noise may be uneven about twice a mode's frequency, the errors of growth, and why.
+    """Return the verdict where noise may be uneven about twice a mode's frequency or slow, errors of growth, and why.
 
-    Errors in 1/s: how much slower the growth may be under the least density about each mode, how much faster under the
-    largest.
+    Errors in 1/s: how much slower the growth may be under the least density about each mode, and how much faster under
+    the largest; a drift of the stiffness that lowers growth may as well raise it.
     """
     modes, loads, rates = examined.equations, Loads.single(examined.load), examined.rates
     flat = Loads((1,), *loads.flat)
     strongest = _with_most_noise(modes, flat, growth_tolerance, None, None if chosen is None else np.array(chosen))
     most, fastest = float(strongest.growth[0]), max(0.0, float(rates.max()), limit)
-    grows = np.array([[STATUS_CODES[verdict.status] for verdict in examined.verdicts]])
-    least = _with_least_noise(modes, modes.parts(flat, examined.modes), grows, rates[None, :], None)[0]
-    off = fastest - max(0.0, limit, float(least.max())), max(0.0, most - fastest)
+    statuses = np.array([[STATUS_CODES[verdict.status] for verdict in examined.verdicts]])
+    parts = modes.parts(flat, examined.modes)
+    least = _with_least_noise(modes, parts, statuses, rates[None, :], growth_tolerance, None)[0]
+    below = fastest - max(0.0, limit, float(least.max()))
+    off = below, max(below, most - fastest)
     if status == "stable" and most > growth_tolerance:
-        doubt = (
-            f"the noise is uneven within {strongest.distance[0]:.2g} Hz of {strongest.hertz[0]:.4g} Hz, twice the "
-            f"frequency of mode {int(strongest.mode[0])}: the mode may grow at about {most:.2g} 1/s in mean square, "
-            "see fr.filtered_growth"
-        )
-        if most == math.inf:
+        hertz, mode = f"{strongest.hertz[0]:.4g} Hz", f"twice the frequency of mode {int(strongest.mode[0])}"
+        grows = f"the mode may grow at about {most:.2g} 1/s in mean square"
+        if not strongest.slow[0]:
+            within = f"within {strongest.distance[0]:.2g} Hz of {hertz}"
+            doubt = f"the noise is uneven {within}, {mode}: {grows}, see fr.filtered_growth"
+        else:
             force = AnswerUnits.named(given=examined.load.given_units).force
-            doubt = (
-                f"noise of {force.show(float(strongest.rms[0]), 3)} below {2.0 * strongest.hertz[0]:.4g} Hz at times "
-                f"takes all stiffness of mode {int(strongest.mode[0])}, and is not small beside it"
-            )
+            slow = f"noise of {force.show(float(strongest.slow[0]), 3)} below {hertz}"
+            doubt = f"{slow}, {mode}, changes the stiffness slowly: {grows}"
         return "undecided", off, doubt
     if status == "unstable" and max(limit, float(least.max())) <= growth_tolerance:
-        return (
-            "undecided",
-            off,
-            "the noise is uneven about twice the frequencies of the modes that grow: see theory/noise",
-        )
+        doubt = "the noise is uneven about twice the frequencies of the modes that grow, or slower: see theory/noise"
+        return "undecided", off, doubt
     return status, off, ""
 
 
