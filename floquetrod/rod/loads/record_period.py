@@ -79,10 +79,10 @@ def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit
         periods, tried = _near(samples, power, guess, most)
         best = _climb(samples, periods, most, _GUESS_HARMONICS)
     if best is None:
-        raise _without_period(samples, "the fit does not settle")
+        raise _without_period(samples, "the fit does not settle", guess)
     if best.omega < FEWEST_PERIODS * math.pi:
         raise _too_short(best.omega / math.pi)
-    return _kept(samples, best, tried, most)
+    return _kept(samples, best, tried, most, guess)
 
 
 def without_period(samples: Samples) -> PeriodicFit:
@@ -111,14 +111,15 @@ class NoPeriodError(ValueError):
     problem: Callable[[Unit], str] | None = None
 
 
-def _without_period(samples: Samples, why: str) -> ValueError:
+def _without_period(samples: Samples, why: str, guess: float | None = None) -> ValueError:
     # Variance v of samples at a rate r is that of noise of the one-sided density 2 v / r up to r / 2.
     # A trend is no part of the noise.
     rate = (samples.tau.size - 1) / (2.0 * samples.half)
     mean = samples.offset + samples.scale * float(samples.values.mean())
     ends, variance = _drift(samples)
     density = 2.0 * samples.scale**2 * variance / rate
-    problem = partial(_random_alone, why, mean, density, tuple(samples.offset + samples.scale * end for end in ends))
+    drift = tuple(samples.offset + samples.scale * end for end in ends)
+    problem = partial(_random_alone, why, mean, density, drift, guess is not None)
     error = wrong_value("force", problem(_NEWTON), kind=NoPeriodError)
     error.__dict__["problem"] = problem
     return error
@@ -135,19 +136,23 @@ def _drift(samples: Samples) -> tuple[tuple[float, ...], float]:
     return (float(line[0] - line[1]), float(line[0] + line[1])), left
 
 
-def _random_alone(why: str, mean: float, density: float, ends: tuple[float, ...], unit: Unit) -> str:
+def _random_alone(why: str, mean: float, density: float, ends: tuple[float, ...], is_given: bool, unit: Unit) -> str:
     """Return that there is no period, and what to give for noise alone of a mean in N and a density in N^2/Hz.
 
-    ``ends`` are the forces in N from which to which it drifts, none where it does not.
+    ``ends`` are the forces in N from which to which it drifts, none where it does not; ``is_given``: a frequency was.
     """
     each = unit, Unit(f"{unit.name}^2/Hz", unit.size**2)
     push, noise = (one.show(value, 4).replace(" ", "") for one, value in zip(each, (mean, density), strict=True))
     drifts = f"; it drifts from {unit.of(ends[0]):.3g} to {unit.show(ends[1], 3)}" if ends else ""
     beside = " about that drift" if ends else ""
+    near = " near the frequency given" if is_given else ""
+    alone = RANDOM_ALONE.replace(" (", " without --force-frequency (") if is_given else RANDOM_ALONE
+    other = "another" if is_given else "its approximate"
+    how = "" if is_given else ": --force-frequency, such as 10Hz (Python: frequency=, in rad/s)"
     return (
-        f"shows no period above the noise: {why}{drifts}; record longer, or give its approximate frequency: "
-        f"--force-frequency, such as 10Hz (Python: frequency=, in rad/s); where it is random alone{beside}, take "
-        f"its spectrum: {RANDOM_ALONE}; or, with one density at all frequencies, give its mean and its density: --mean "
+        f"shows no period above the noise{near}: {why}{drifts}; record longer, or give {other} frequency{how}; "
+        f"where it is random alone{beside}, take "
+        f"its spectrum: {alone}; or, with one density at all frequencies, give its mean and its density: --mean "
         f"{push} --amplitude 0{unit.name} --noise {noise} and any --frequency, such as 1Hz, as no sine acts (Python: "
         f'fr.AxialLoad("{push}", 0, "1Hz", noise="{noise}"))'
     )
@@ -333,14 +338,14 @@ def _score(samples: Samples, found: Fit, penalty: float) -> float:
 # --- which harmonics there are ---
 
 
-def _kept(samples: Samples, best: Fit, tried: float, most: int) -> PeriodicFit:
+def _kept(samples: Samples, best: Fit, tried: float, most: int, guess: float | None = None) -> PeriodicFit:
     """Return the fit of the harmonics above the noise, with a trend where there is one."""
     left = _left(samples, best)
     on_average = best.with_noise(coloured(best, left, math.inf)).log_chances()
     every = best.with_noise(coloured(best, left))
     least = math.log(FALSE_HARMONIC / len(every.numbers))
     if on_average.min() > least or on_average.min() + math.log(tried) > math.log(_FALSE_PERIOD):
-        raise _without_period(samples, "noise would have as strong a frequency")
+        raise _without_period(samples, "noise would have as strong a frequency", guess)
     above = every.log_chances() < least
     wanders = not above.any()
     may_be_noise = wanders or every.log_chances().min() + math.log(tried) > math.log(_FALSE_PERIOD)

@@ -369,6 +369,10 @@ def test_noise_alone_is_told_how_to_be_given(rng: np.random.Generator, tmp_path:
         load = fr.AxialLoad(mean, 0, "1Hz", noise=density)
         assert load.noise == pytest.approx(2.0 * np.var(force) / 100.0 * units.units_of("force")[unit] ** 2, rel=1e-3)
         assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
+    with pytest.raises(ValueError, match="above the noise near the frequency given") as again:
+        fr.ForceRecord.from_csv(path, frequency=12.0)
+    assert "or give another frequency;" in str(again.value)
+    assert "--noise spectrum without --force-frequency (Python" in str(again.value)
 
 
 def test_without_harmonics_all_but_mean_and_trend_is_noise(rng: np.random.Generator) -> None:
