@@ -8,7 +8,7 @@ from importlib import metadata
 
 import numpy as np
 
-VERSION = 4
+VERSION = 5
 """Of the arithmetic of a simulation: of all that makes its frames, and the results of an ensemble, from a problem.
 
 Raised by hand with every change after which some problem comes out in other bits; `tests/simulation/test_arithmetic.py`

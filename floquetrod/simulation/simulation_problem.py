@@ -738,8 +738,8 @@ class Simulation(Reported, RecordedMotion):
         """Whether the rod has buckled, by the rule of `floquetrod.simulation.outcome`.
 
         It was beyond 5 degrees in the last quarter of the time simulated, and neither at rest where friction holds it
-        (up to arctan mu), nor dying out, nor swinging at most twice as far as its kick alone makes it swing, in a run
-        too short for that to end; ``outcome`` distinguishes these.
+        (up to arctan mu and 2 degrees), nor dying out, nor swinging at most twice as far as its kick alone makes it
+        swing (any distance from one radian on), in a run too short for that to end; ``outcome`` distinguishes these.
         """
         return self.outcome.kind == "buckled"
 

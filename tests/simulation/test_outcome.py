@@ -94,6 +94,34 @@ def test_without_a_load_nothing_buckles(rng: np.random.Generator) -> None:
         assert "not buckled" in repr(run)
 
 
+@pytest.mark.parametrize(
+    ("kick", "friction", "damping_rate", "duration", "kinds"),
+    [
+        ({2: 0.14934691}, 0.8, 0.5, 0.288029, {"at rest"}),  # rings on, by a tenth of a degree
+        ({3: 0.35894431}, 0.4, 0.0, 0.32469313, {"swinging"}),  # parts that friction holds swing on
+        ({2: 0.37574751}, 0.8, 5.0, 0.41657185, {"at rest"}),  # at 39.9 degrees, beyond arctan(mu) = 38.7 degrees
+        ({8: 0.59202954}, 0.0, 0.5, 0.1, {"swinging", "dying out"}),  # over the top of the channel
+    ],
+)
+def test_what_a_strong_kick_does_without_a_load_is_not_buckling(
+    kick: dict[int, float], friction: float, damping_rate: float, duration: float, kinds: set[str]
+) -> None:
+    problem = fr.SimulationProblem(
+        ROD.replace(damping_rate=damping_rate),
+        NONE,
+        duration=duration,
+        friction=friction,
+        segments=60,
+        frames=114,
+        perturbation=fr.Perturbation.modes(kick),
+        stop_early=True,
+    )
+    run = problem.run()
+    assert run.ended != "buckled"
+    assert run.outcome.kind in kinds
+    assert run.outcome.angle > math.radians(10.0)
+
+
 # --- the rule, on motion that is known ------------------------------------------------------------------------------
 
 TIME = np.linspace(0.0, 2.0, 401)
@@ -122,11 +150,20 @@ def test_the_rule() -> None:
     assert kind(10.0 * rest, friction=0.1, ended=0.2) == "buckled"  # friction holds up to 5.7 degrees
     assert kind(10.0 * rest) == "buckled"
     assert kind(10.0 * rest + 3.0 * SWING, friction=0.4, ended=0.2) == "buckled"
+    assert kind(23.0 * rest, friction=0.4, ended=0.2) == "at rest"  # at up to 21.8 degrees, and 2 where it is bent
+    assert kind(25.0 * rest, friction=0.4, ended=0.2) == "buckled"
+    # A kick of a radian may take a rod over the top, unless it has ended.
+    assert kind(160.0 * SWING, swing=58.0) == "swinging"
+    assert kind(160.0 * SWING, swing=56.0) == kind(160.0 * SWING, swing=58.0, ended=0.2) == "buckled"
     # Frames may fall together with the zeros of the motion: its speed counts.
     angle = np.radians(np.multiply.outer([0.0, 10.0, 10.0, 10.0, 10.0], SHAPE))
     for speed, expected in ((1e-4, "at rest"), (0.05, "buckled")):
         speeds = np.full(angle.shape, speed)
         assert outcome_of(TIME[::100], angle, speeds, Kick(0.01, 0.4, 0.1, 0.1956)).kind == expected
+    # A rod that only rings on is slow in some frames, also beside fast ones.
+    angle = np.radians(np.multiply.outer(np.full(TIME.size, 10.0), SHAPE)) * (TIME[:, None] > 0.0)
+    speeds = np.abs(np.cos(1000.0 * TIME))[:, None] * np.full(SHAPE.size, 0.01)
+    assert outcome_of(TIME, angle, speeds, Kick(0.01, 0.4, 0.1, 0.1956)).kind == "at rest"
 
 
 def test_angles_count_from_where_a_rod_began() -> None:
@@ -143,7 +180,7 @@ def test_the_swing_of_a_kick_is_that_of_the_simulated_rod() -> None:
         problem = fr.SimulationProblem(ROD, NONE, duration=0.4, segments=60, frames=801, perturbation=kick)
         assert problem.kick_alone.swing == pytest.approx(problem.run().largest_angle.max(), rel=0.15)
     assert problem.kick_alone.ended == math.inf
-    assert problem.replace(friction=0.1).kick_alone.ended == pytest.approx(0.05 / 0.981, rel=0.1)
+    assert problem.replace(friction=0.1).kick_alone.ended == pytest.approx(8.0 * 0.05 / 0.981, rel=0.1)
     assert problem.replace(rod=ROD.replace(damping_rate=6.0)).kick_alone.ended == 0.5
 
 
