@@ -22,6 +22,7 @@ _TOGETHER = 3.0 * math.sqrt(2.0) / math.pi  # half-width in Hz of the tongue, ov
 _DISTANCES = np.geomspace(1e-4, 1.0, 64)  # d over the highest frequency of the noise (a choice)
 _EVEN = 1e-3  # difference of densities, relative to the density, that is none (a choice)
 _PAIRS = 65  # frequencies of an integral (a choice)
+_SURE = 0.7  # of a mean density, that is counted on (a choice)
 _AT_ONCE = 1 << 13  # frequencies
 
 
@@ -45,17 +46,22 @@ class Excess(NamedTuple):
     pairs : ndarray
         Integral in N^4/Hz^5 of S(v) S(2 f - v) / (v (2 f - v))^2 over v about f, f the frequency of the mode, less what
         white noise of the density at 2 f has.
+    least_variance, least_density : ndarray
+        Of the part below f / 2, variance, and 0.7 times its mean density weighted with itself: a part of what acts on
+        the mode as if it were constant.
     """
 
     variance: Floats
     density: Floats
-    pairs: Floats
+    pairs: Any
+    least_variance: Any
+    least_density: Any
 
 
 def excess_below(noise: Noise, hertz: Floats) -> Excess:
     """Return by how much the density of noise below frequencies in Hz exceeds that at them."""
     if not isinstance(noise, tuple):
-        return Excess(*np.zeros((3, *np.shape(hertz))))
+        return Excess(*np.zeros((5, *np.shape(hertz))))
     flat = np.ravel(hertz)
     blocks = [_excess(noise, flat[start : start + _AT_ONCE]) for start in range(0, flat.size, _AT_ONCE)]
     return Excess(*(np.concatenate(each).reshape(np.shape(hertz)) for each in zip(*blocks, strict=True)))
@@ -75,7 +81,13 @@ def _excess(noise: tuple[tuple[float, float], ...], hertz: Floats) -> Excess:
     product = density_at(noise, v) * density_at(noise, other) - np.square(own)[:, None]
     weight = np.square(np.maximum(v * other, np.finfo(float).tiny))
     pairs = np.asarray(2.0 * np.trapezoid(np.maximum(0.0, product) / weight, v, axis=1))
-    return Excess(variance, density, pairs)
+    slow = np.minimum(at, 0.25 * hertz[:, None])
+    over = np.maximum(0.0, density_at(noise, slow) - own[:, None])
+    width = 0.5 * np.diff(slow, axis=1)
+    known = (width * (over[:, 1:] + over[:, :-1])).sum(axis=1)
+    square = (width * (np.square(over[:, 1:]) + np.square(over[:, :-1]))).sum(axis=1)
+    least = np.divide(_SURE * square, known, out=np.zeros_like(known), where=known > 0.0)
+    return Excess(variance, density, pairs, known, least)
 
 
 def densities_about(noise: Noise, hertz: Floats, gain: Floats) -> Densities:

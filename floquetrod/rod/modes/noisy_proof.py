@@ -111,7 +111,7 @@ class _Moments:
 
     def _parts(self, mean: float, amplitude: float) -> Any:
         loads = Loads((1,), np.array([mean]), np.array([amplitude]), np.array([self.frequency]))
-        return self.modes.parts(loads, [self.mode])
+        return self.modes.without_drift(loads, [self.mode])
 
     def __call__(self, mean: float, amplitude: float) -> SecondMoments:
         """Return the moments under one load, less the tolerated growth; their error holds the rounding."""

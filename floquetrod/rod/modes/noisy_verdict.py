@@ -23,13 +23,14 @@ from floquetrod.rod.answers.critical_value import CriticalValue
 from floquetrod.rod.answers.evidence import NoisyEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density, noise_in_words, scaled_noise
-from floquetrod.rod.mode_equations.noisy_equations import ASSUMED, ModeCoefficients, NoisyModes
+from floquetrod.rod.mode_equations.moment_coefficients import ModeCoefficients
+from floquetrod.rod.mode_equations.noisy_equations import ASSUMED, NoisyModes
+from floquetrod.rod.mode_equations.slow_noise import growth_as_stiffness_drifts, may_grow_as_stiffness_drifts
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.sampled_model import SampledModel
-from floquetrod.rod.modes.slow_noise import growth_as_stiffness_drifts, may_grow_as_stiffness_drifts
 from floquetrod.units import AnswerUnits
 
 if TYPE_CHECKING:
@@ -408,11 +409,12 @@ def _under_uneven_noise(
         grows = f"the mode may grow at about {most:.2g} 1/s in mean square"
         if not strongest.slow[0]:
             within = f"within {strongest.distance[0]:.2g} Hz of {hertz}"
-            doubt = f"the noise is uneven {within}, {mode}: {grows}, see fr.filtered_growth"
+            doubt = f"the noise is uneven {within}, {mode}: {grows}"
         else:
             force = AnswerUnits.named(given=examined.load.given_units).force
             slow = f"noise of {force.show(float(strongest.slow[0]), 3)} below {hertz}"
             doubt = f"{slow}, {mode}, changes the stiffness slowly: {grows}"
+        doubt += ", see fr.filtered_growth"
         return "undecided", off, doubt
     if status == "unstable" and max(limit, float(least.max())) <= growth_tolerance:
         doubt = "the noise is uneven about twice the frequencies of the modes that grow, or slower: see theory/noise"

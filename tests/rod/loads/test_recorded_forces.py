@@ -245,7 +245,7 @@ def test_noise_that_may_take_all_stiffness_is_white_to_a_mode_where_it_is_even()
     some = rod.stability(random_alone(2.0, slice(800)).noisy_load)
     less, more = some.evidence.growth_errors
     assert some.status == "unstable"
-    assert less < some.growth_rate < 0.5 * more
+    assert less < 0.1 * some.growth_rate < 0.1 * more
     assert re.search(r"growth from \S+ to \S+ 1/s, estimated, as the noise is uneven or slow", str(some.report()))
 
 

@@ -253,7 +253,7 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
 
 @pytest.mark.parametrize(("width", "mode"), [(0.1, 7), (1.0, 7), (3.0, 6)])
 def test_the_critical_noise_of_a_narrow_band_is_where_verdicts_are_no_longer_stable(width: float, mode: int) -> None:
-    """Above it they are undecided, up to its error, which is infinite where none is unstable.
+    """Above it they are undecided, up to its error.
 
     The first two make twice the frequency of mode 7 drift, 22 Hz, until it is in the band.
     """
@@ -269,11 +269,11 @@ def test_the_critical_noise_of_a_narrow_band_is_where_verdicts_are_no_longer_sta
     assert [status(share * found) for share in (1.0 + 1e-6, 1.0005)] == 2 * ["undecided"]
     assert "undecided" in repr(found)
     assert "may begin to grow" in repr(found)
-    if math.isinf(found.error):
-        assert status(100.0 * found) == "undecided"
-    else:
-        assert status(found + found.error) == "unstable"
+    assert status(found + found.error) == "unstable"
+    if mode == 6:
         assert found.error < 0.2 * found
+    else:  # to the factor at which high modes buckle, to which the band is slow
+        assert status(3.0 * found) == "undecided"
 
 
 def test_growth_that_no_method_finds_lies_between_its_bounds() -> None:

@@ -12,9 +12,9 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 
 import floquetrod as fr
 from floquetrod._util.arrays import Floats
+from floquetrod.rod.mode_equations.moment_coefficients import ModeCoefficients, growth_of_white_noise
 from floquetrod.rod.mode_equations.narrow_noise import densities_about, excess_below
-from floquetrod.rod.mode_equations.noisy_equations import ModeCoefficients
-from floquetrod.rod.modes.slow_noise import growth_as_stiffness_drifts
+from floquetrod.rod.mode_equations.slow_noise import growth_as_stiffness_drifts, least_intensities
 from tests.conftest import depth
 from tests.rod.modes.test_narrow_noise import MEAN, MODE, ROD, coefficients
 
@@ -73,20 +73,32 @@ def exact(filter_: Filter, c: float, order: int, sine: tuple[float, float] = (0.
     return math.log(np.abs(np.linalg.eigvals(whole)).max()) / period
 
 
-def bounded(filter_: Filter, c: float, sine: tuple[float, float] = (0.0, 1.0)) -> tuple[float, float, float]:
-    """Return the growth as the stiffness drifts, under the largest density, and under that at twice the frequency."""
+def mode(filter_: Filter, c: float, sine: tuple[float, float]) -> tuple[ModeCoefficients, Any]:
+    """Return the coefficients of a mode of the frequency 1 and the noise, as pairs."""
     at = np.linspace(0.0, 2.0, 4001)
     noise = tuple(zip(at.tolist(), density(filter_, at).tolist(), strict=True))
     one = np.ones((1, 1))
     waves = (sine[0] * one.astype(complex),) if sine[0] else ()
     parts = ModeCoefficients(one, waves, sine[1] * one, one, c, per_newton=one)
-    parts = parts.with_density(np.interp(parts.hertz, *np.array(noise).T))
-    chosen = np.ones((1, 1), dtype=np.bool_)
+    return parts.with_density(np.interp(parts.hertz, *np.array(noise).T)), noise
+
+
+def bounded(filter_: Filter, c: float, sine: tuple[float, float] = (0.0, 1.0)) -> tuple[float, float, float]:
+    """Return the growth as the stiffness drifts, under the largest density, and under that at twice the frequency."""
+    parts, noise = mode(filter_, c, sine)
+    chosen, one = np.ones((1, 1), dtype=np.bool_), np.ones((1, 1))
     drifting = growth_as_stiffness_drifts(parts, excess_below(noise, parts.reference), noise, -1e9, chosen, None)
     most = densities_about(noise, parts.hertz, 0.25 * one).most
     white = [fr.second_moments(*_noisy(c, sine, float(s[0, 0]))) for s in (0.5 * most, np.square(parts.intensity))]
     rates = [fr.stability(moments, "monodromy").exponents[0].real for moments in white]
     return float(drifting[0, 0]), rates[0], rates[1]
+
+
+def least(filter_: Filter) -> float:
+    """Return the growth that is counted on without damping and sine, 0 where none is."""
+    parts, noise = mode(filter_, 0.0, (0.0, 1.0))
+    found = least_intensities(parts, excess_below(noise, parts.reference), noise)
+    return float(growth_of_white_noise(parts.squared, np.square(found))[0, 0])
 
 
 def _noisy(c: float, sine: tuple[float, float], squared: float) -> Any:
@@ -113,6 +125,28 @@ def test_growth_as_the_stiffness_drifts_is_no_less_than_that_under_drawn_filters
     wide = slow(rms, float(10.0 ** rng.uniform(-1.7, 0.7)))
     for filter_, order, share in ((narrow, 14, 0.6), (wide, 48, 0.97)):
         assert max(bounded(filter_, 0.0)) > share * exact(filter_, 0.0, order) - 1e-7
+    strong = float(10.0 ** rng.uniform(-1.0, 0.0))
+    narrow = band(strong, float(10.0 ** rng.uniform(-1.0, 0.27)), float(10.0 ** rng.uniform(-1.5, -0.5)))
+    wide = slow(strong, float(10.0 ** rng.uniform(-1.5, 0.5)))
+    for filter_, order in ((narrow, 14), (wide, 48)):
+        assert least(filter_) <= 1.02 * exact(filter_, 0.0, order)
+
+
+def test_slow_noise_that_makes_modes_buckle_is_unstable() -> None:
+    """White noise of the density at twice the frequency of any mode lets it decay; the growth is within its range."""
+    rod, load = in_newtons(slow(0.6, 0.1), 0.02, (0.0, 2.0))
+    w, _ = coefficients()
+    true = exact(slow(0.6, 0.1), 0.02, 48) * w
+    white = rod.stability(fr.AxialLoad(MEAN, 0.0, "1Hz", noise=load.noise[-1][1]), modes=[MODE])
+    assert white.status == "stable"
+    verdict = rod.stability(load, modes=[MODE])
+    less, more = verdict.evidence.growth_errors
+    assert verdict.status == "unstable"
+    assert verdict.growth_rate - less <= true <= verdict.growth_rate + more
+    assert verdict.growth_rate > 0.4 * true
+    whole = rod.stability(load)
+    assert int(rod.verdicts(load, mean=MEAN)) == 0
+    assert float(rod.growth_rate(load, mean=MEAN)) == pytest.approx(whole.growth_rate, rel=1e-6)
 
 
 def test_a_mode_beside_a_tongue_may_grow_as_slow_noise_leads_it_there() -> None:

@@ -22,16 +22,18 @@ second order, as the second tongue of Mathieu's equation is made by a sine of th
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod.rod.loads.load import Noise, density_at, largest_density
-from floquetrod.rod.mode_equations.noisy_equations import ModeCoefficients, growth_of_white_noise
-
-if TYPE_CHECKING:
-    from floquetrod.rod.mode_equations.narrow_noise import Excess
+from floquetrod.rod.mode_equations.moment_coefficients import (
+    ModeCoefficients,
+    growth_of_white_noise,
+    intensity_of_growth,
+)
+from floquetrod.rod.mode_equations.narrow_noise import Excess
 
 _SPREAD = 1.5  # variance that is counted over the one given, as no drift is as slow as is assumed (a choice)
 _DEVIATIONS, _BEYOND = 7.0, 1.15  # standard deviations of the drift, and of the farthest value that may matter
@@ -66,6 +68,19 @@ def growth_as_stiffness_drifts(
     return growth
 
 
+def least_intensities(parts: ModeCoefficients, excess: Excess, noise: Noise) -> Floats:
+    """Return the intensity in 1/s^1.5 of white noise that makes modes grow as they do at least, 0 where none grows.
+
+    Of the excess as `Excess` has it at least: of 160 filters of each kind drawn, of one state and of two, the growth
+    was 0.99 times the exact one at most.
+    """
+    known = Excess(excess.least_variance / _SPREAD, excess.least_density / _SPREAD, 0.0, 0.0, 0.0)
+    growth = growth_as_stiffness_drifts(parts, known, noise, 0.0, np.ones(parts.squared.shape, dtype=np.bool_), None)
+    c = parts.damping
+    least = intensity_of_growth(parts.squared - c * c, np.maximum(np.nan_to_num(growth), 0.0) + 2.0 * c)
+    return np.where((growth > 0.0) & np.isfinite(growth), least, 0.0)
+
+
 def may_grow_as_stiffness_drifts(parts: ModeCoefficients, excess: Excess, noise: Noise, tolerance: float) -> Bools:
     """Return whether a bound lets modes grow faster than a tolerance as their stiffness drifts, (loads, modes)."""
     variance, density, paired = _of_stiffness(parts, excess)
@@ -95,7 +110,7 @@ def _of_some(
     ``paired`` is the intensity in 1/s^1.5 of the pairs of frequencies that add up to twice theirs.
     """
     drift = np.linspace(-ends[0], ends[1], _PLACES, axis=-1)
-    moved = some._replace(squared=some.squared - drift)
+    moved = some._replace(squared=some.squared - drift, least=0.0)
     moved = moved.with_density(density_at(noise, np.maximum(moved.hertz, 0.5 * some.reference)))
     moved = moved._replace(intensity=np.hypot(moved.intensity, paired[:, None]))
     growth = _growth(moved, workers)
