@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -43,8 +42,9 @@ _LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
 def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRecord | None:
     """Return the measured force in the file ``force``, None without any.
 
-    Without a harmonic where none stands out and ``given`` asks for its noise alone; else fitted together with the sine
-    near the frequency of ``second``, where it holds one, whose amplitude and phase, if given, are for `read_kind`.
+    All but its mean and a trend is random where ``given`` asks for an amplitude of zero and the noise of the record,
+    near no frequency; else it is fitted together with the sine near the frequency of ``second``, where it holds one,
+    whose amplitude and phase, if given, are for `read_kind`.
     Raises ValueError where it cannot be read, where ``second`` is a frequency alone near which it holds no sine, and
     for what says how to read it without a file.
     """
@@ -86,13 +86,7 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
             return read_with(None, harmonics)  # the sine typed is one that was not measured
 
     try:
-        if not _is_noise_alone(given):
-            return read()
-        with contextlib.suppress(NoPeriodError):
-            record = read()
-            if not record._may_be_noise:
-                return record
-        return read(harmonics=0)
+        return read(harmonics=0 if _is_random_alone(given, sine) else None)
     except NoPeriodError:  # whose file was read
         raise
     except (ValueError, OSError) as error:
@@ -104,10 +98,11 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
         raise ValueError(f"{named('force')} must be {wanted}: {message}") from None
 
 
-def _is_noise_alone(given: Mapping[str, Any]) -> bool:
-    """Return whether the amplitude is zero and the noise that of a record, whose frequency is not given."""
+def _is_random_alone(given: Mapping[str, Any], second: Mapping[str, float]) -> bool:
+    """Return whether the amplitude is zero and the noise that of a record, without a frequency of a sine measured."""
     amplitude, noise = given.get("amplitude"), given.get("noise")
-    if given["force_frequency"] is not None or noise is None or noise.strip().lower() != "spectrum":
+    is_measured = given["force_frequency"] is not None or ("frequency" in second and "amplitude" not in second)
+    if is_measured or noise is None or noise.strip().lower() != "spectrum":
         return False
     try:
         return LOAD["amplitude"].quantity(amplitude, "amplitude", critical_force=1.0) == 0.0

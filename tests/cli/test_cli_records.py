@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import operator
 import re
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -253,12 +254,47 @@ def test_a_band_of_noise_alone_is_answered_with_its_spectrum(
     assert (found["amplitude_N"], found["mean_N"]) == (0.0, record.mean)
 
 
-def test_a_sine_that_stands_out_is_no_noise_where_it_is_left_out(
+def test_a_sine_near_the_frequency_given_is_no_noise_where_it_is_left_out(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = ["--amplitude", "0", "--noise", "spectrum", "--no-margins", "--modes", "1-3"]
+    asked = ["--amplitude", "0", "--noise", "spectrum", "--force-frequency", "24Hz", "--no-margins", "--modes", "1-3"]
     lines = checked(capsys, "--damping-rate", "0.3", "--force", str(written(tmp_path, "N")), *asked)
     assert "above a noise of" in lines["record"]
+
+
+def test_no_harmonic_is_taken_out_of_a_record_asked_for_as_random_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Harmonics found in slow noise, or those of a sine, are noise as in Python: without them it would be less."""
+    question = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--no-margins", "--modes", "1", "--json"]
+    path, t, white = tmp_path / "slow.csv", 1e-2 * np.arange(2000), np.random.default_rng(26).standard_normal(2000)
+    slow = np.array(list(accumulate(white, lambda before, each: 0.9 * before + each)))
+    np.savetxt(path, np.c_[t, MEAN + 0.01 * slow], "%.9g", ",", header="time / s,force / N", comments="")
+    for each in (path, written(tmp_path, "N")):
+        fitted = fr.ForceRecord.from_csv(each)
+        assert fitted.harmonic_numbers
+        assert "may be chance" not in fitted.note
+        assert cli.main([*question, "--force", str(each), "--amplitude", "0", "--noise", "spectrum"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        record = fr.ForceRecord.from_csv(each, harmonics=0)
+        assert found["force_record"]["harmonic_numbers"] == []
+        assert found["force_record"]["noise_N"] == record.noise > fitted.noise
+
+
+def test_a_slow_record_of_less_than_two_periods_may_be_random_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t, path = np.arange(0.0, 20.0, 1e-2), tmp_path / "slow.csv"
+    force = MEAN + 0.02 * np.sin(0.45 * t) + 0.01 * np.random.default_rng(1).standard_normal(t.size)
+    np.savetxt(path, np.c_[t, force], "%.9g", ",", header="time / s,force / N", comments="")
+    question = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--no-margins", "--modes", "1"]
+    assert cli.main([*question, "--force", str(path), "--noise", "spectrum"]) == 2
+    said = capsys.readouterr().err
+    assert re.search(r"two periods or more, got 1\.\d:", said)
+    match = re.search(r"random alone, take its spectrum: (--amplitude 0 --noise spectrum) ", said)
+    assert match is not None
+    assert cli.main([*question, "--force", str(path), *match[1].split()]) == 0
+    assert "no sine" in capsys.readouterr().out
 
 
 def test_modes_under_harmonics_alone_are_not_called_coupled(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

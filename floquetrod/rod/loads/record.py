@@ -194,7 +194,6 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
     note: str
     force_unit_named: ClassVar[bool] = True
     time_unit_named: ClassVar[bool] = True
-    _may_be_noise: ClassVar[bool] = False  # no harmonic stands out of noise as strong as next to it
 
     def __init__(
         self,
@@ -232,7 +231,6 @@ class ForceRecord(units.InUnits, LoadSource, ByContent):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "_may_be_noise", found.may_be_noise)
         self.given_in(units.GivenUnits.of(force=force)._replace(frequency=_HERTZ))
 
     @classmethod

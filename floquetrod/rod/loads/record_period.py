@@ -81,7 +81,7 @@ def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit
     if best is None:
         raise _without_period(samples, "the fit does not settle", guess)
     if best.omega < FEWEST_PERIODS * math.pi:
-        raise _too_short(best.omega / math.pi)
+        raise _too_short(best.omega / math.pi, guess is not None)
     return _kept(samples, best, tried, most, guess)
 
 
@@ -146,24 +146,29 @@ def _random_alone(why: str, mean: float, density: float, ends: tuple[float, ...]
     drifts = f"; it drifts from {unit.of(ends[0]):.3g} to {unit.show(ends[1], 3)}" if ends else ""
     beside = " about that drift" if ends else ""
     near = " near the frequency given" if is_given else ""
-    alone = RANDOM_ALONE.replace(" (", " without --force-frequency (") if is_given else RANDOM_ALONE
     other = "another" if is_given else "its approximate"
     how = "" if is_given else ": --force-frequency, such as 10Hz (Python: frequency=, in rad/s)"
     return (
         f"shows no period above the noise{near}: {why}{drifts}; record longer, or give {other} frequency{how}; "
-        f"where it is random alone{beside}, take "
-        f"its spectrum: {alone}; or, with one density at all frequencies, give its mean and its density: --mean "
-        f"{push} --amplitude 0{unit.name} --noise {noise} and any --frequency, such as 1Hz, as no sine acts (Python: "
+        f"where it is random alone{beside}, take its spectrum: {_taking_all(is_given)}; or, with one density at all "
+        f"frequencies, give its mean and its density: --mean {push} --amplitude 0{unit.name} --noise {noise} and any "
+        "--frequency, such as 1Hz, as no sine acts (Python: "
         f'fr.AxialLoad("{push}", 0, "1Hz", noise="{noise}"))'
     )
 
 
-def _too_short(periods: float) -> ValueError:
+def _taking_all(is_given: bool) -> str:
+    """Return what takes all of a record but its mean as random, where a frequency is given without that."""
+    return RANDOM_ALONE.replace(" (", " without --force-frequency (") if is_given else RANDOM_ALONE
+
+
+def _too_short(periods: float, is_given: bool = False) -> ValueError:
     return wrong_value(
         "force",
         f"must be recorded for two periods or more, got {periods:.2g}: its strongest variation takes "
         f"{1.0 / periods:.2g} of the time recorded; record longer, or, where that is a drift, give the "
-        "approximate frequency: --force-frequency, such as 10Hz (Python: frequency=, in rad/s)",
+        "approximate frequency: --force-frequency, such as 10Hz (Python: frequency=, in rad/s), or, where it is random "
+        f"alone, take its spectrum: {_taking_all(is_given)}",
         kind=NoPeriodError,
     )
 
