@@ -49,7 +49,7 @@ _HALVINGS, _END = 14, 1e-6  # of the distance to a neighbour at whose crossing a
 _AFTER_FOLD = 4.0  # times the last change of a depth that nears a fold of the curve as a root: 1 / (1 - sqrt(1/2))
 _BESIDE = 0.01  # of depths of neighbours, by which shallower and deeper ones are tried first (a choice)
 _SHALLOW = 0.5  # of the least depth of neighbours, from which depths between columns are tried (a choice)
-_COARSE, _FINE = 1e-5, 1e-9  # of a critical depth, relative: where lobes are told apart, where lowest (a choice)
+_FINE = 1e-9  # of a critical depth between columns, relative: less fine ones name another lobe (a choice)
 _JUMP = 0.03  # of the frequency of chatter between neighbours, beyond which a lobe may lie between them (a choice)
 _INWARD, _PARABOLAS = 1e-3, 40  # of the distance of starts: the shortest step; how many are made (a choice)
 _SEARCH = 15_000  # points of a chart that take as long as a search for lobes (measured, for the time that remains)
@@ -596,7 +596,6 @@ class _Place(NamedTuple):
 
     speed: float
     near: tuple[float, float]
-    precise: float
 
 
 _Search = Generator[_Place, _Start, Any]
@@ -644,7 +643,7 @@ class _Boundary:
         inner = np.flatnonzero(np.isfinite(depths) & (depths > 0.0))
         if inner.size:
             at = np.array([places[i].speed for i in inner])
-            depths[inner] = _crossed(self.milling, at, low[inner], high[inner], min(place.precise for place in places))
+            depths[inner] = _crossed(self.milling, at, low[inner], high[inner], _FINE)
         return [self.start(place.speed, depth) for place, depth in zip(places, depths.tolist(), strict=True)]
 
     def _rows(self, near: tuple[float, float]) -> list[Floats]:
@@ -686,7 +685,7 @@ class _Boundary:
         """
         if not one.is_apart(other) or other.speed - one.speed <= width:
             return []
-        middle = yield _Place(0.5 * (one.speed + other.speed), (one.depth, other.depth), _COARSE)
+        middle = yield _Place(0.5 * (one.speed + other.speed), (one.depth, other.depth))
         before = yield from self.refined(one, middle, width)
         after = yield from self.refined(middle, other, width)
         return [*before, middle, *after]
@@ -704,12 +703,10 @@ class _Boundary:
         i = members.index(low)
         if len(members) > 1 and i in (0, len(members) - 1):  # does the depth fall inwards from the end?
             speed = low.speed + _INWARD * (members[1 if i == 0 else -2].speed - low.speed)
-            start = yield _Place(speed, (low.depth, low.depth), _FINE)
+            start = yield _Place(speed, (low.depth, low.depth))
             if self.name(start) == self.name(low) and start.depth < low.depth:
                 low, members = start, sorted({*members, start})
                 i = members.index(low)
-        again = yield _Place(low.speed, (low.depth, low.depth), _FINE)
-        low = again if self.name(again) == self.name(low) else low
         if 0 < i < len(members) - 1:
             low, error = yield from self.valley(members[i - 1], low, members[i + 1])
             errors[low.speed] = error
@@ -721,7 +718,7 @@ class _Boundary:
         for _ in range(_HALVINGS):
             if 0.0 <= starts[-1].depth - max(outer.depth, floor) <= _END * outer.depth:
                 break
-            middle = yield _Place(0.5 * (starts[-1].speed + outer.speed), (starts[-1].depth, outer.depth), _FINE)
+            middle = yield _Place(0.5 * (starts[-1].speed + outer.speed), (starts[-1].depth, outer.depth))
             if self.name(middle) == self.name(inner):
                 starts.append(middle)
             else:
@@ -762,7 +759,7 @@ class _Boundary:
             speed = middle.speed + step
             if speed in (left.speed, middle.speed, right.speed):
                 break
-            start = yield _Place(speed, (middle.depth, middle.depth), _FINE)
+            start = yield _Place(speed, (middle.depth, middle.depth))
             lower = self.name(start) == self.name(middle) and start.depth < middle.depth
             if lower:
                 left, middle, right = (left, start, middle) if step < 0.0 else (middle, start, right)

@@ -446,6 +446,20 @@ def test_least_depths_of_lobes_do_not_depend_on_the_columns_of_the_chart() -> No
                 assert abs(one.depth - other.depth) <= one.error + other.error, name
 
 
+def test_starts_between_columns_are_named_as_at_the_critical_depth() -> None:
+    """Beside the end of a flip lobe a depth short by 2e-6 of it has the pair that is to meet at -1: a Hopf lobe's."""
+    mill = drawn_cutter(np.random.default_rng(12))
+    boundary = stability_lobes._Boundary(mill, np.linspace(0.0, 3.17037018871e-3, 12))
+    columns = np.linspace(1143.39679716, 4103.1690699, 34)[2:4]
+    one, other = map(boundary.start, columns.tolist(), critical_depths(mill, columns).tolist())
+    (starts,) = boundary.together([boundary.refined(one, other, 0.41)], 10, 0, None)
+    exact = critical_depths(mill, np.array([start.speed for start in starts]))
+    assert [start.depth for start in starts] == pytest.approx(exact, rel=stability_lobes.ACCURACY)
+    at_critical_depth = map(boundary.start, (start.speed for start in starts), exact.tolist())
+    assert list(map(boundary.name, starts)) == list(map(boundary.name, at_critical_depth))
+    assert {("flip", 3), ("Hopf", 3)} == set(map(boundary.name, starts))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(depth(40, 2)))
 def test_no_speed_within_a_lobe_has_less_depth_than_its_least(seed: int) -> None:
