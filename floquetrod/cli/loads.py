@@ -218,7 +218,17 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     """Return the question that options ask."""
     _require_quantities(options)
     rod = read_rod(options)
-    record, like = _read_kind(options)
+    from floquetrod.rod.loads.record_period import NoPeriodError
+
+    try:
+        record, like = _read_kind(options)
+    except NoPeriodError as error:
+        if ":" not in (options.amplitude or ""):
+            raise
+        raise ValueError(
+            f"{error}; for --amplitude {options.amplitude}, a range, a record without a sine has no waveform: beside "
+            "that range give --mean and a density, --noise, and the --frequency of a sine in place of --force"
+        ) from None
     texts = {name: getattr(options, name) for name in QUANTITIES}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
     if record is not None:

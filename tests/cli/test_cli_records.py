@@ -227,6 +227,23 @@ def test_a_record_of_noise_alone_names_the_question_without_it(
     assert "in mean square" in capsys.readouterr().out
 
 
+def test_a_range_of_amplitudes_of_a_record_of_noise_alone_is_led_to_its_density(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An amplitude of zero would leave nothing of the map."""
+    path, t = tmp_path / "force.csv", np.arange(0.0, 20.0, 1e-2)
+    force = 0.4 + 0.01 * np.random.default_rng(1).standard_normal(t.size)
+    np.savetxt(path, np.c_[t, force], "%.6g", ",", header="t / s,F / N", comments="")
+    asked = ["map", "--rod", "nitinol", "--damping-rate", "2", "--amplitude", "0:0.3Fcr", "--frequency", "10:20Hz"]
+    asked += ["--points", "3x3", "--out", str(tmp_path / "map.npz")]
+    assert cli.main([*asked, "--force", str(path), "--noise", "spectrum"]) == 2
+    said = capsys.readouterr().err
+    assert "for --amplitude 0:0.3Fcr, a range, a record without a sine has no waveform" in said
+    match = re.search(r"(--mean \S+) --amplitude 0N (--noise \S+) and any", said)
+    assert match is not None
+    assert cli.main([*asked, *match[1].split(), *match[2].split()]) == 0
+
+
 @pytest.mark.parametrize(("low", "high"), [(20.0, 30.0), (24.0, 24.5)])
 def test_a_band_of_noise_alone_is_answered_with_its_spectrum(
     low: float, high: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
