@@ -38,6 +38,9 @@ from floquetrod.rod.mode_equations.narrow_noise import Excess
 _SPREAD = 1.5  # variance that is counted over the one given, as no drift is as slow as is assumed (a choice)
 _DEVIATIONS, _BEYOND = 7.0, 1.15  # standard deviations of the drift, and of the farthest value that may matter
 _PLACES = 160  # of the drift (a choice)
+_LITTLE = 1.25  # times the growth under white noise, which a drift passes at no place where it does little (a choice)
+_CLOSE = 0.02  # of a growth rate, that bounds give (a choice)
+_FAR = 0.05  # of the stiffness, which the drift must reach to be counted on (a choice)
 _STEPS = 40  # of the iteration to the farthest value
 _AT_ONCE = 1 << 11  # modes
 
@@ -75,8 +78,13 @@ def least_intensities(parts: ModeCoefficients, excess: Excess, noise: Noise) -> 
     was 0.99 times the exact one at most.
     """
     known = Excess(excess.least_variance / _SPREAD, excess.least_density / _SPREAD, 0.0, 0.0, 0.0)
-    growth = growth_as_stiffness_drifts(parts, known, noise, 0.0, np.ones(parts.squared.shape, dtype=np.bool_), None)
-    c = parts.damping
+    c, (variance, density, paired) = parts.damping, _of_stiffness(parts, known)
+    far = _ends(parts, variance, density)[1]
+    bound = _bound(parts, far, noise, paired)
+    matters = ~(bound + 2.0 * c <= _LITTLE * (parts.growth_bounds[0] + 2.0 * c)) & (far > _FAR * np.abs(parts.squared))
+    if c == 0.0:  # any white noise makes these grow: a verdict needs no more
+        matters &= parts.intensity == 0.0
+    growth = growth_as_stiffness_drifts(parts, known, noise, 0.0, matters, None)
     least = intensity_of_growth(parts.squared - c * c, np.maximum(np.nan_to_num(growth), 0.0) + 2.0 * c)
     return np.where((growth > 0.0) & np.isfinite(growth), least, 0.0)
 
@@ -119,9 +127,8 @@ def _of_some(
         a = 2.0 * variance[i] / density[i]
         steady = a * drift[i] ** 2 / (4.0 * variance[i]) - 0.5 * a
         side = a * variance[i] / (drift[i, 1] - drift[i, 0]) ** 2
-        found[i] = _largest(growth[i] - steady, side) - _largest(
-            -steady, side
-        )  # the second is 0 apart from the error of the step
+        of_step = _largest(-steady, side)  # 0 apart from the error of the step
+        found[i] = _largest(growth[i] - steady, side) - of_step
     return found
 
 
@@ -130,19 +137,22 @@ def _growth(moved: ModeCoefficients, workers: int | None) -> Floats:
     from floquetrod.systems.batch_verdicts import verdicts
 
     c = moved.damping
-    left = moved._replace(squared=moved.squared - c * c, damping=0.0)
-    still = np.sqrt(np.maximum(0.0, -left.squared))
+    low, high = moved.growth_bounds
+    growth = 0.5 * (low + high)
+    left = ~(high - low <= _CLOSE * (low + 2.0 * c))
+    if not left.any():
+        return growth
+    bare = moved._replace(squared=moved.squared - c * c, damping=0.0)
+    still = np.sqrt(np.maximum(0.0, -bare.squared))
     alone = still.copy()
     if any(wave.any() for wave in moved.waves):
-        chosen = np.ones(left.squared.shape, dtype=np.bool_)
-        rates = verdicts(left.system(chosen), workers=workers, quick=True).growth * left.rate[chosen]
-        alone = rates.reshape(alone.shape)
+        alone[left] = verdicts(bare.system(left), workers=workers, quick=True).growth * bare.rate[left]
         places = np.arange(_PLACES)
         for row in alone[np.isnan(alone).any(axis=1)]:  # at the edge of a tongue, to some digits: like its neighbours
             known = ~np.isnan(row)
             row[~known] = np.interp(places[~known], places[known], row[known]) if known.any() else math.inf
-    white = growth_of_white_noise(left.squared, np.square(moved.intensity))
-    return np.asarray(2.0 * alone + np.maximum(0.0, white - 2.0 * still) - 2.0 * c)
+    white = growth_of_white_noise(bare.squared, np.square(moved.intensity))
+    return np.where(left, 2.0 * alone + np.maximum(0.0, white - 2.0 * still) - 2.0 * c, growth)
 
 
 def _largest(diagonal: Floats, side: float) -> float:
