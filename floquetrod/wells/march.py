@@ -4,8 +4,7 @@ By the method of Dormand and Prince with its dense output of order 7 (Hairer, No
 Differential Equations I, II.5), with SciPy's coefficients.  A step ends at a station, where friction changes, at the
 upper end, where sections meet, where the bore changes, and where the string becomes a helix or ceases to be one: there
 its equation has another right side.  A helix presses harder, so that a short one may grow until it locks the string up:
-no step passes over one.  Nor does a step pass over a corner of the contact force, where the string goes over from one
-side of the wall to the other: estimates of the error may be small there by chance.
+no step passes over one.
 """
 
 from __future__ import annotations
@@ -18,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Floats
-from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import largest, roots
 from floquetrod.wells.drag import Drag, Fineness, Strings, WellGeometry
@@ -33,8 +31,6 @@ _MOST_STEPS = 100_000  # of a string: a few hundred are usual
 _SAMPLES = 16  # of a step in which a helix may begin or end (a choice)
 _SECTIONS = 16  # of the bracket of a largest value: to 5e-4 of it
 _TOUCHES = 1e-9  # of the terms of `helix_margin`: so little is rounding
-_SHARP = 0.1  # of the change of the contact force in half a step, below which its least size is a corner (a choice)
-_BESIDE = 1e-9  # share of a step, and m: a corner so close to one of its ends is at that end
 
 
 def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> tuple[Floats, Floats, Floats]:
@@ -114,13 +110,12 @@ class _March:
                 self.joint_y[above, k] = self.state[k]
 
     def _advance(self, moving: Ints) -> None:
-        """Try a step of every string in ``moving``, and take the accurate ones that pass over no corner."""
+        """Try a step of every string in ``moving``, and take the accurate ones."""
         step = self._tried(moving)
-        error, corner = step.error(self.tolerance[moving]), step.corners()
-        is_taken = (error < 1.0) & np.isnan(corner)
+        error = step.error(self.tolerance[moving])
+        is_taken = error < 1.0
         factor = _SAFETY * np.maximum(error, 1e-30) ** -0.125
-        factor = np.clip(factor, _SHRINKS, np.where(is_taken, _GROWS, 1.0))
-        self.longest[moving] = step.length * np.where(np.isnan(corner), factor, corner)
+        self.longest[moving] = step.length * np.clip(factor, _SHRINKS, np.where(is_taken, _GROWS, 1.0))
         if is_taken.any():
             taken = np.flatnonzero(is_taken)
             self._take(moving[taken], step if is_taken.all() else step.some(taken))
@@ -252,62 +247,15 @@ class _Step(ByContent):
         drag = self.slopes.drag
         if drag.motion != "pushed":
             return np.zeros(self.old.shape, bool)
-        y = self.three_y
-        off = np.abs(y[0] - 2.0 * y[1] + y[2]) + np.abs(y[1] - 0.5 * (y[0] + y[2]))
+        bulge = 0.125 * self.length * (self.rises[0] - self.rises[12])
+        y = np.array([self.old, 0.5 * (self.old + self.new) + bulge, self.new])
+        off = np.abs(y[0] - 2.0 * y[1] + y[2]) + np.abs(bulge)
         low, high = y.min(axis=0) - off, y.max(axis=0) + off
-        lightest, heaviest = _lying_between(self.across)
+        lightest, heaviest = _lying_between(drag.lying_across(self.places, y))
         helical = drag.sliding.helical / drag.sliding.wound
         lies_on = np.where(high > 0.0, np.sin(np.minimum(high, LOCKED)) ** 2 < helical * lightest, True)
         winds_on = (low > 0.0) & (np.sin(np.clip(low, 0.0, LOCKED)) ** 2 > helical * heaviest)
         return np.asarray(np.where(self.slopes.is_helix, ~winds_on, ~lies_on | (high >= LOCKED)))
-
-    @cached_property
-    def three_y(self) -> Floats:
-        """Y at the lower end, in the middle, of a cubic, and at the upper end, (3, n)."""
-        middle = 0.5 * (self.old + self.new) + 0.125 * self.length * (self.rises[0] - self.rises[12])
-        return np.array([self.old, middle, self.new])
-
-    @cached_property
-    def across(self) -> Floats:
-        """Contact force of the lying string at these places, a vector across the string, (2, 3, n)."""
-        return self.slopes.drag.lying_across(self.places, self.three_y)
-
-    def corners(self) -> Floats:
-        """Return the shares of the step after which contact forces first have a corner, NaN where they have none.
-
-        The contact force of a lying string is the size of a vector p across it (`Drag.lying_across`).  Where p passes
-        0, as it does in a plane when the string goes over from one side of the wall to the other, its size has a
-        corner, and where it nearly does, a sharp bend.  In each half of the step, p along the chord d of its ends is
-        closest to 0 where p . d = 0.
-        """
-        corners = np.full(self.old.size, math.nan)
-        if self.slopes.drag.motion == "standing":
-            return corners
-        chord, begin = np.diff(self.across, axis=1), self.across[:, :2]
-        squared = np.maximum((chord * chord).sum(axis=0), 1e-300)
-        share = -(begin * chord).sum(axis=0) / squared
-        closest = ((begin + share * chord) ** 2).sum(axis=0)
-        is_corner = (share > 0.0) & (share < 1.0) & (closest < _SHARP**2 * squared)
-        strings = np.flatnonzero(is_corner.any(axis=0))
-        if not strings.size:
-            return corners
-        step, half = self.some(strings), is_corner.argmax(axis=0)[strings]
-        curve, along = step.curve(), chord[:, half, strings]
-
-        def passed(end: Floats, i: Ints) -> Floats:
-            geometry = step.slopes.some(i).place(step.depth[i] - (end - 1.0) * step.length[i])
-            p = step.slopes.drag.some(i).lying_across(geometry, curve.at(end - 1.0, i))
-            return np.asarray((p * along[:, i]).sum(axis=0))
-
-        # From 1 to 2, as changes of shape are found: to rounding of the step.
-        every, low = np.arange(strings.size), 1.0 + 0.5 * half
-        at_low, at_high = passed(low, every), passed(low + 0.5, every)
-        found = roots(passed, low, low + 0.5, at_low, at_high) - 1.0
-        # Of a step too long for its curve the straight line will do: a shorter one is tried next.
-        found = np.where(at_low * at_high < 0.0, found, 0.5 * (half + share[half, strings]))
-        beside = _BESIDE * np.maximum(1.0, 1.0 / step.length)
-        corners[strings] = np.where((found > beside) & (found < 1.0 - beside), found, math.nan)
-        return corners
 
     def curve(self) -> _Curve:
         """Return the solution within the step."""

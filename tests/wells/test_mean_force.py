@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
 
 import floquetrod as fr
 from benchmarks import drag
@@ -110,31 +109,6 @@ def test_a_helix_that_comes_and_goes_between_stations_is_found_with_any_step() -
     for effort in (CHECKED[1]._replace(tolerance=1e-11, steps=3), FAST, SOUGHT):
         force = found.force(strings.run(found, path.start, bottoms, 14983.829300062029, np.empty(0), effort).top_y)
         np.testing.assert_allclose(force, -5454.0844, atol=0.02)
-
-
-@pytest.mark.parametrize("motion", ["pushed", "pulled"])
-def test_where_a_string_goes_over_to_the_other_side_of_the_wall_the_force_is_the_closed_form(motion: str) -> None:
-    """Its contact force has a corner there, of which estimates of the error may see nothing: at the first force, 4 mN.
-
-    Up to where the string leaves the low side friction is that of the closed form, from there on the other way round.
-    """
-    path = fr.WellPath([500.0, 700.0], [0.23191838, 0.375], [0.0, 0.0])
-    mu = 0.2 if motion == "pushed" else -0.2
-    forces = [-8112.5, *np.linspace(-8000.0, -7000.0, depth(200, 12))]
-
-    def lying(depth: float, far_force: float) -> float:
-        """Contact force in N/m, positive on the low side."""
-        force = arc_force(path, np.array(depth), mu, far_force)
-        return float(WEIGHT * np.sin(path.inclination_at(depth)) + force * path.curvature(path.start)[0])
-
-    for far_force in forces:
-        leaves = brentq(lying, 500.0, 700.0, args=(far_force,), xtol=1e-10)
-        left = arc_force(path, np.array(leaves), mu, far_force)
-        upper = fr.WellPath([500.0, leaves], path.inclination_at([500.0, leaves]), [0.0, 0.0])
-        found = TUBING.mean_force(path, 0.2, motion=motion, far_force=far_force, depth=[leaves])
-        np.testing.assert_allclose(found.force[1], left, rtol=2e-11)
-        np.testing.assert_allclose(found.at_top, arc_force(upper, np.array(500.0), -mu, left), rtol=2e-11)
-        assert found.error < 1e-6
 
 
 @pytest.mark.slow
